@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raylign {
+
+/// What removes the seven similarity freedoms (rotation, translation, scale) of a reconstruction.
+enum class Gauge {
+  FREE,          ///< nothing held; the damping keeps the step finite
+  FIRST_CAMERA,  ///< pose of camera 0 held (6 of 7; scale is left to the damping)
+  TWO_CAMERAS,   ///< camera 0 and one translation coordinate of the camera farthest from it (all 7)
+};
+
+enum class ParameterKind { POSE, INTRINSICS, POINT };
+
+/// One scalar held constant. Coordinates: POSE "rotation" (all three), "tx", "ty", "tz" (of t_cw);
+/// INTRINSICS "f", "k1", "k2"; POINT "x", "y", "z" (xyz parametrisation only).
+struct ConstantCoordinate {
+  ParameterKind kind = ParameterKind::INTRINSICS;
+  std::int32_t index = kAll;  ///< camera or point, or kAll
+  std::string coordinate;
+
+  static constexpr std::int32_t kAll = -1;
+};
+
+/// What is held fixed: apart from how to solve (BundleOptions). Indices are those of BalProblem.
+/// A block that is held is returned bit by bit as it came in.
+struct BundleConfig {
+  Gauge gauge = Gauge::FREE;
+  std::vector<std::int32_t> constant_cameras;     ///< poses (rotation and translation)
+  std::vector<std::int32_t> constant_intrinsics;  ///< (f, k1, k2) of these cameras
+  std::vector<std::int32_t> constant_points;
+  std::vector<ConstantCoordinate> constant_coordinates;
+
+  /// Throws OptionsError for an index outside the problem or an unknown coordinate name.
+  void validate(std::int64_t num_cameras, std::int64_t num_points) const;
+};
+
+/// Offset of a named coordinate in its block: tx ty tz rotation → 0..3, f k1 k2 → 0..2, x y z → 0..2.
+/// Throws OptionsError for a name that the kind does not have.
+int coordinate_offset(ParameterKind kind, const std::string& coordinate);
+
+std::string to_string(Gauge gauge);
+std::string to_string(ParameterKind kind);
+
+}  // namespace raylign

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/solver/bundle_options.h"
+
+namespace raylign {
+
+void BundleOptions::validate() const {
+  loss.validate();
+  lm.validate();
+  linear_solver.validate();
+}
+
+std::string to_string(Backend backend) {
+  switch (backend) {
+    case Backend::CERES: return "ceres";
+  }
+  return "unknown";
+}
+
+std::string to_string(PoseParametrization parametrization) {
+  switch (parametrization) {
+    case PoseParametrization::SE3: return "se3";
+    case PoseParametrization::QUATERNION: return "quaternion";
+    case PoseParametrization::ANGLE_AXIS: return "angle_axis";
+  }
+  return "unknown";
+}
+
+std::string to_string(PointParametrization parametrization) {
+  switch (parametrization) {
+    case PointParametrization::XYZ: return "xyz";
+    case PointParametrization::HOMOGENEOUS: return "homogeneous";
+    case PointParametrization::INVERSE_DEPTH: return "inverse_depth";
+  }
+  return "unknown";
+}
+
+}  // namespace raylign

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "raylign/robust/loss.h"
+#include "raylign/solver/options.h"
+
+namespace raylign {
+
+enum class Backend { CERES };
+
+/// How a camera pose moves. The cost, the optimum and the undamped Gauss-Newton step are the same for all;
+/// the damped trajectory is not.
+enum class PoseParametrization {
+  SE3,         ///< T_cw ← exp(ξ) T_cw, ξ = [υ; ω]: left perturbation
+  QUATERNION,  ///< q ← exp(ω) q, t ← t + δt
+  ANGLE_AXIS,  ///< ω ← ω + δω, t ← t + δt: additive, as Ceres' BAL example
+};
+
+enum class PointParametrization {
+  XYZ,
+  HOMOGENEOUS,    ///< unit 4-vector [x; w]: points at infinity are ordinary points
+  INVERSE_DEPTH,  ///< (α, β, ρ) in the frame of the first camera that sees the point
+};
+
+/// How a bundle adjustment is solved (what is held fixed: BundleConfig).
+struct BundleOptions {
+  Backend backend = Backend::CERES;
+  PoseParametrization pose_parametrization = PoseParametrization::SE3;
+  PointParametrization point_parametrization = PointParametrization::XYZ;
+  Loss loss;
+  LmOptions lm;
+  LinearSolverOptions linear_solver;
+
+  void validate() const;
+};
+
+std::string to_string(Backend backend);
+std::string to_string(PoseParametrization parametrization);
+std::string to_string(PointParametrization parametrization);
+
+}  // namespace raylign

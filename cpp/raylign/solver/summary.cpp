@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/solver/summary.h"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace raylign {
+namespace {
+
+// printf-style text of bounded length: reports only.
+std::string format(const char* pattern, ...) {
+  char buffer[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(buffer, sizeof(buffer), pattern, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+}  // namespace
+
+bool Summary::is_usable() const {
+  return termination != Termination::NOT_RUN && termination != Termination::FAILURE;
+}
+
+std::string Summary::brief_report() const {
+  return format("%s: cost %.6e -> %.6e, %d accepted and %d rejected steps, %.3f s",
+                to_string(termination).c_str(), initial_cost, final_cost, num_accepted, num_rejected,
+                total_time_s);
+}
+
+std::string Summary::full_report() const {
+  std::string text;
+  text += format("backend            %s (%d thread%s, %s)\n", backend.c_str(), num_threads,
+                 num_threads == 1 ? "" : "s",
+                 deterministic ? "bitwise reproducible" : "not bitwise reproducible");
+  text += format("termination        %s: %s\n", to_string(termination).c_str(), message.c_str());
+  text += format("residuals          %d\n", num_residuals);
+  text += format("free parameters    %d\n", num_effective_parameters);
+  text += format("linear solver      %s (%s)\n", to_string(linear_solver).c_str(),
+                 linear_solver_reason.c_str());
+  text += format("initial cost       %.15e\n", initial_cost);
+  text += format("final cost         %.15e\n", final_cost);
+  text += format("steps              %d accepted, %d rejected\n", num_accepted, num_rejected);
+  text += format("preprocessing      %9.4f s\n", preprocessor_time_s);
+  text += format("residuals          %9.4f s\n", residual_time_s);
+  text += format("Jacobians          %9.4f s\n", jacobian_time_s);
+  text += format("linear solver      %9.4f s\n", linear_solver_time_s);
+  text += format("total              %9.4f s\n", total_time_s);
+  return text;
+}
+
+std::string to_string(Termination termination) {
+  switch (termination) {
+    case Termination::NOT_RUN: return "not_run";
+    case Termination::CONVERGENCE: return "convergence";
+    case Termination::MAX_ITERATIONS: return "max_iterations";
+    case Termination::TIME_LIMIT: return "time_limit";
+    case Termination::USER_STOPPED: return "user_stopped";
+    case Termination::FAILURE: return "failure";
+  }
+  return "unknown";
+}
+
+std::string to_string(LinearSolverType type) {
+  switch (type) {
+    case LinearSolverType::AUTO: return "auto";
+    case LinearSolverType::DENSE_NORMAL_CHOLESKY: return "dense_normal_cholesky";
+    case LinearSolverType::DENSE_SCHUR: return "dense_schur";
+    case LinearSolverType::SPARSE_SCHUR: return "sparse_schur";
+    case LinearSolverType::ITERATIVE_SCHUR: return "iterative_schur";
+  }
+  return "unknown";
+}
+
+std::string to_string(Preconditioner preconditioner) {
+  switch (preconditioner) {
+    case Preconditioner::IDENTITY: return "identity";
+    case Preconditioner::JACOBI: return "jacobi";
+    case Preconditioner::SCHUR_JACOBI: return "schur_jacobi";
+    case Preconditioner::CLUSTER_JACOBI: return "cluster_jacobi";
+    case Preconditioner::CLUSTER_TRIDIAGONAL: return "cluster_tridiagonal";
+  }
+  return "unknown";
+}
+
+}  // namespace raylign
