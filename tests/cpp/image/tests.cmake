@@ -1,0 +1,1 @@
+raylign_add_test(image remap_test.cpp)
