@@ -1,0 +1,72 @@
+"""Bundle Adjustment in the Large text files: `.txt`, `.txt.gz`, `.txt.bz2` and file objects."""
+
+from typing import BinaryIO, Literal
+
+from raylign import _core
+from raylign._typing import PathLike
+from raylign.io._streams import path_or_stream, read_all, stream_name
+from raylign.scene import BalProblem
+
+Duplicates = Literal["error", "first", "mean", "keep"]
+
+
+def read_bal(source: PathLike | BinaryIO, *, duplicates: Duplicates = "error") -> BalProblem:
+    """Read a bundle adjustment problem in the text format of Agarwal et al.
+
+    The first line says how many cameras, points and observations follow; every observation is
+    `camera point u v`; then come nine numbers per camera (angle-axis, translation, f, k1, k2) and
+    three per point. Any whitespace separates, CRLF included. gzip and bzip2 are told by content.
+
+    Args:
+        source: path, or binary file object, which is read to its end.
+        duplicates: what to do when a camera sees a point twice: refuse the file (`error`), keep the
+            `first`, the `mean` pixel, or `keep` all (they then count twice in the cost).
+
+    Returns:
+        BalProblem: cameras (C, 9), points (P, 3), observations (N, 2) in px, as in the file.
+
+    Raises:
+        FormatError: the source is missing, empty, cut short, no BAL problem, or holds a number that
+            is not finite; the error has `file`, `line`, `field` and `reason`. Nothing is returned
+            in part, and no more memory is taken than a small multiple of the file's size.
+        OptionsError: `duplicates` is none of the four.
+        TypeError: `source` is neither a path nor a binary file object.
+
+    Note: independent of the locale. Releases the GIL.
+    Source: Agarwal et al., Bundle Adjustment in the Large, ECCV 2010.
+
+    Example:
+        >>> import io
+        >>> text = b"1 1 1  0 0 -5.0 2.5  0 0 0 0 0 -2 10 0 0  1 -0.5 0"
+        >>> read_bal(io.BytesIO(text))
+        <BalProblem: 1 cameras, 1 points, 1 observations>
+    """
+    resolved = path_or_stream(source)
+    if isinstance(resolved, str):
+        return _core.read_bal(resolved, duplicates=duplicates)
+    name = stream_name(resolved)
+    return _core.parse_bal(read_all(resolved), name=name, duplicates=duplicates)
+
+
+def write_bal(problem: BalProblem, target: PathLike | BinaryIO) -> None:
+    """Write a bundle adjustment problem so that reading it back gives bit-equal numbers.
+
+    Args:
+        problem: not modified. Colours have no place in the format; `write_npz` keeps them.
+        target: path, compressed when it ends in `.gz` or `.bz2`, or binary file object
+            (uncompressed). A path is written to a temporary file beside it, renamed at the end:
+            after a failure the old file is as it was.
+
+    Raises:
+        FormatError: the target cannot be written, a number is not finite, or the problem has no
+            camera, point or observation (which `read_bal` would refuse).
+        ShapeError: the arrays of `problem` disagree.
+        TypeError: `target` is neither a path nor a binary file object.
+
+    Note: deterministic, also when compressed. Releases the GIL for paths.
+    """
+    resolved = path_or_stream(target)
+    if isinstance(resolved, str):
+        _core.write_bal(problem, resolved)
+    else:
+        resolved.write(_core.format_bal(problem))

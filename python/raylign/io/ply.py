@@ -1,0 +1,91 @@
+"""Point clouds with cameras for viewers: binary little-endian PLY."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from raylign import _core
+from raylign._typing import PathLike
+from raylign.errors import OptionsError, ShapeError
+from raylign.io._streams import path_or_stream
+from raylign.scene import BalProblem
+
+Color = tuple[float, float, float]
+
+
+class PlySummary(NamedTuple):
+    """What a PLY file holds, and what was left out because a coordinate was not finite."""
+
+    num_points: int
+    num_cameras: int
+    num_skipped_points: int
+    num_skipped_cameras: int
+
+
+def write_ply(
+    problem: BalProblem,
+    path: PathLike,
+    *,
+    colors: npt.ArrayLike | None = None,
+    cameras: bool = True,
+    camera_scale: float | None = None,
+    camera_color: Color = (230, 60, 30),
+    point_color: Color = (150, 150, 150),
+) -> PlySummary:
+    """Write points and cameras, drawn as frusta, for MeshLab, CloudCompare, Open3D or Blender.
+
+    Vertices: the points, then six per camera (centre, four image corners, a tip above the image's
+    upper edge). Faces: seven triangles per camera. World frame and units of the problem; a frustum
+    opens along the camera's −z and is as wide as its observations reach.
+
+    Args:
+        problem: not modified.
+        path: target; compressed when it ends in `.gz` or `.bz2`. Written to a temporary file
+            beside it and renamed at the end.
+        colors: (P, 3) RGB in [0, 255], rounded and clamped. Default: `problem.colors`, or
+            `point_color` for all where the problem has none.
+        cameras: draw the cameras.
+        camera_scale: depth of a frustum in scene units, > 0. Default: 5 % of the median L1
+            distance of the points from their median.
+        camera_color: RGB in [0, 255], rounded and clamped.
+        point_color: RGB in [0, 255], rounded and clamped; for points without colours.
+
+    Returns:
+        PlySummary: what was written, and how many points and cameras were skipped because their
+        coordinates are not finite.
+
+    Raises:
+        OptionsError: `camera_scale` is not finite and > 0, or a colour is not finite.
+        ShapeError: `colors` is not (P, 3), or the arrays of `problem` disagree.
+        FormatError: the target cannot be written.
+    """
+    target = path_or_stream(path)  # type: ignore[arg-type]
+    if not isinstance(target, str):
+        raise TypeError("write_ply needs a path")
+    if camera_scale is not None and not 0.0 < camera_scale < float("inf"):
+        raise OptionsError(f"camera_scale must be finite and > 0, got {camera_scale}")
+    if colors is not None:
+        problem = problem.replace(colors=_rgb(colors, (problem.num_points, 3), "colors"))
+    counts = _core.write_ply(
+        problem,
+        target,
+        cameras=cameras,
+        camera_scale=camera_scale or 0.0,
+        camera_color=_rgb(camera_color, (3,), "camera_color").tolist(),
+        point_color=_rgb(point_color, (3,), "point_color").tolist(),
+    )
+    return PlySummary(*counts)
+
+
+def _rgb(
+    values: npt.ArrayLike, shape: tuple[int, ...], name: str
+) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    array = np.asarray(values)
+    if array.shape != shape or array.dtype.kind not in "uif":
+        raise ShapeError(
+            f"{name} must be numbers of shape {shape}, got {array.dtype} {array.shape}"
+        )
+    if not np.isfinite(array).all():
+        raise OptionsError(f"{name} must be finite")
+    return np.clip(np.rint(array), 0, 255).astype(np.uint8)
