@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "raylign/ceres_backend/pose_manifold.h"
+#include "raylign/scene/bal_problem.h"
+#include "raylign/solver/bundle_config.h"
+
+namespace raylign::ceres_backend {
+
+using CoordinateMask = std::array<bool, 3>;
+
+/// BundleConfig and gauge spelled out per camera and point. Tables that hold nothing stay empty.
+struct Constants {
+  std::vector<PoseMask> poses;              ///< (C,)
+  std::vector<CoordinateMask> intrinsics;   ///< (C,)
+  std::vector<CoordinateMask> points;       ///< (P,) or empty when no point is held
+};
+
+/// Cameras without observations do not serve as gauge cameras.
+Constants resolve_constants(const BalProblem& problem, const BundleConfig& config);
+
+}  // namespace raylign::ceres_backend

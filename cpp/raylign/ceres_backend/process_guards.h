@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace raylign::ceres_backend {
+
+/// Keeps glog, and with it Ceres, off the user's stderr while it lives. glog's level is a process-wide
+/// setting, so it is put back.
+class ScopedGlogSilence {
+ public:
+  ScopedGlogSilence();
+  ~ScopedGlogSilence();
+  ScopedGlogSilence(const ScopedGlogSilence&) = delete;
+  ScopedGlogSilence& operator=(const ScopedGlogSilence&) = delete;
+
+ private:
+  int previous_level_;
+};
+
+/// Gives OpenBLAS one thread while it lives, if OpenBLAS is what the process runs: its own threads change
+/// the order of sums and fight with the solver's. Other BLAS libraries are left as they are.
+class ScopedSingleThreadedBlas {
+ public:
+  ScopedSingleThreadedBlas();
+  ~ScopedSingleThreadedBlas();
+  ScopedSingleThreadedBlas(const ScopedSingleThreadedBlas&) = delete;
+  ScopedSingleThreadedBlas& operator=(const ScopedSingleThreadedBlas&) = delete;
+
+ private:
+  int previous_threads_ = 0;
+};
+
+}  // namespace raylign::ceres_backend

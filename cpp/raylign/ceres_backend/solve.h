@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "raylign/scene/bal_problem.h"
+#include "raylign/solver/bundle_config.h"
+#include "raylign/solver/bundle_options.h"
+#include "raylign/solver/linearization.h"
+#include "raylign/solver/summary.h"
+
+namespace raylign::ceres_backend {
+
+/// Solves through Ceres. Arguments validated by the caller (bundle/bundle_adjuster.h), which is the front
+/// door; the contract is the same.
+Summary solve(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+              const IterationCallback& callback);
+
+/// Cost, gradient and sparse Jacobian at the current state.
+Linearization linearize(const BalProblem& problem, const BundleConfig& config,
+                        const BundleOptions& options);
+
+}  // namespace raylign::ceres_backend

@@ -1,0 +1,220 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/ceres_backend/cost_functions.h"
+
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/rotation.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "raylign/geometry/se3.h"
+#include "support/eigen_matchers.h"
+#include "support/named_rng.h"
+
+// Hand-written Jacobians against Ceres' automatic differentiation of the same residual written a second
+// time, for every parametrisation, at 1000 states of every awkward kind.
+namespace raylign::ceres_backend {
+namespace {
+
+constexpr int kNumStates = 1000;
+
+template <int Size, typename T>
+void transform(const T* pose, const T x_bar[3], const T& w, T p_c[3]) {
+  const T* t = pose + Size - 3;
+  if constexpr (Size == 6) {
+    ceres::AngleAxisRotatePoint(pose, x_bar, p_c);
+  } else {
+    const T wxyz[4] = {pose[3], pose[0], pose[1], pose[2]};
+    ceres::QuaternionRotatePoint(wxyz, x_bar, p_c);  // normalises first
+  }
+  for (int k = 0; k < 3; ++k) p_c[k] += w * t[k];
+}
+
+template <typename T>
+void project(const T* intrinsics, const T* p_c, const Vector2& observed, T* residual) {
+  bal_project(intrinsics, p_c, residual);
+  residual[0] -= observed[0];
+  residual[1] -= observed[1];
+}
+
+template <int PoseSize, int PointSize>
+struct ReprojectionFunctor {
+  Vector2 observed;
+  template <typename T>
+  bool operator()(const T* pose, const T* intrinsics, const T* point, T* residual) const {
+    const T w = PointSize == 4 ? point[PointSize - 1] : T(1.0);
+    T p_c[3];
+    transform<PoseSize>(pose, point, w, p_c);
+    project(intrinsics, p_c, observed, residual);
+    return true;
+  }
+};
+
+template <int PoseSize>
+struct InverseDepthFunctor {
+  Vector2 observed;
+  template <typename T>
+  bool operator()(const T* pose, const T* intrinsics, const T* point, const T* host, T* residual) const {
+    const T* t_h = host + PoseSize - 3;
+    const T s[3] = {point[0] - point[2] * t_h[0], point[1] - point[2] * t_h[1],
+                    T(-1.0) - point[2] * t_h[2]};
+    T inverse_host[PoseSize];  // R_hᵀ
+    for (int k = 0; k < PoseSize; ++k) inverse_host[k] = T(0.0);
+    for (int k = 0; k < 3; ++k) inverse_host[k] = -host[k];
+    if constexpr (PoseSize == 7) inverse_host[3] = host[3];
+    T x_bar[3];
+    transform<PoseSize>(inverse_host, s, T(0.0), x_bar);
+    T p_c[3];
+    transform<PoseSize>(pose, x_bar, point[2], p_c);
+    project(intrinsics, p_c, observed, residual);
+    return true;
+  }
+};
+
+struct InverseDepthHostFunctor {
+  Vector2 observed;
+  template <typename T>
+  bool operator()(const T* intrinsics, const T* point, T* residual) const {
+    const T p_c[3] = {point[0], point[1], T(-1.0)};
+    project(intrinsics, p_c, observed, residual);
+    return true;
+  }
+};
+
+// Rotation angles: ordinary, tiny, zero, just below π.
+Vector3 random_rotation(test::NamedRng& rng, int index) {
+  const Vector3 axis = rng.unit_vector<3>();
+  switch (index % 5) {
+    case 0: return 1e-9 * axis;
+    case 1: return Vector3::Zero();
+    case 2: return (M_PI - 1e-7) * axis;
+    default: return rng.uniform(0.0, 3.0) * axis;
+  }
+}
+
+struct State {
+  Vector3 omega, t, omega_h, t_h, intrinsics, p_c;
+  Vector2 observed;
+};
+
+State random_state(int index) {
+  auto rng = test::make_rng("cost functions", index);
+  State s;
+  s.omega = random_rotation(rng, index);
+  s.omega_h = random_rotation(rng, index / 5);
+  s.t = rng.normal_vector<3>(2.0);
+  s.t_h = rng.normal_vector<3>(2.0);
+  s.intrinsics = {rng.uniform(200, 1500), rng.normal(0.2), rng.normal(0.1)};
+  const double side = index % 4 == 0 ? 1.0 : -1.0;  // every fourth point lies behind the camera
+  s.p_c = {rng.normal(1.0), rng.normal(1.0), side * rng.uniform(0.5, 30.0)};
+  s.observed = rng.normal_vector<2>(300.0);
+  return s;
+}
+
+template <typename Pose>
+std::vector<double> pose_block(const Vector3& omega, const Vector3& t) {
+  std::vector<double> block(Pose::kSize);
+  Pose::from_angle_axis(omega, t, block.data());
+  return block;
+}
+
+Vector3 world_point(const State& s) { return so3_exp(s.omega).transpose() * (s.p_c - s.t); }
+
+// Evaluates both and compares residuals and every Jacobian block, each relative to its largest entry.
+void expect_equal(const ceres::CostFunction& ours, const ceres::CostFunction& autodiff,
+                  const std::vector<std::vector<double>>& blocks, int index) {
+  std::vector<const double*> x;
+  std::vector<std::vector<double>> J_ours, J_auto;
+  std::vector<double*> p_ours, p_auto;
+  for (const auto& block : blocks) {
+    x.push_back(block.data());
+    J_ours.emplace_back(2 * block.size());
+    J_auto.emplace_back(2 * block.size());
+  }
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    p_ours.push_back(J_ours[i].data());
+    p_auto.push_back(J_auto[i].data());
+  }
+  Vector2 r_ours, r_auto, r_only;
+  ASSERT_TRUE(ours.Evaluate(x.data(), r_ours.data(), p_ours.data()));
+  ASSERT_TRUE(autodiff.Evaluate(x.data(), r_auto.data(), p_auto.data()));
+  ASSERT_TRUE(ours.Evaluate(x.data(), r_only.data(), nullptr));
+  EXPECT_EQ(r_ours, r_only);
+  EXPECT_TRUE(test::is_near(r_ours, r_auto, 1e-11)) << "state " << index;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Eigen::Map<const Eigen::VectorXd> a(J_ours[i].data(), J_ours[i].size());
+    const Eigen::Map<const Eigen::VectorXd> b(J_auto[i].data(), J_auto[i].size());
+    EXPECT_TRUE(test::is_near(a, b, 1e-8)) << "state " << index << ", block " << i;
+  }
+}
+
+template <typename Pose>
+class CostFunctions : public testing::Test {};
+using PoseTypes = testing::Types<QuaternionPose, AngleAxisPose>;
+TYPED_TEST_SUITE(CostFunctions, PoseTypes);
+
+TYPED_TEST(CostFunctions, XyzJacobiansEqualAutodiff) {
+  using Functor = ReprojectionFunctor<TypeParam::kSize, 3>;
+  for (int i = 0; i < kNumStates; ++i) {
+    const State s = random_state(i);
+    const Vector3 x = world_point(s);
+    const ReprojectionCost<TypeParam, XyzPoint> ours(s.observed);
+    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 3> autodiff(
+        new Functor{s.observed});
+    expect_equal(ours, autodiff,
+                 {pose_block<TypeParam>(s.omega, s.t),
+                  {s.intrinsics.data(), s.intrinsics.data() + 3},
+                  {x.data(), x.data() + 3}}, i);
+  }
+}
+
+TYPED_TEST(CostFunctions, HomogeneousJacobiansEqualAutodiff) {
+  using Functor = ReprojectionFunctor<TypeParam::kSize, 4>;
+  for (int i = 0; i < kNumStates; ++i) {
+    const State s = random_state(i);
+    Vector4 x = world_point(s).homogeneous();
+    if (i % 7 == 0) x = -x;                                                  // w < 0
+    if (i % 7 == 1) x << so3_exp(s.omega).transpose() * s.p_c, 0.0;          // at infinity
+    x.normalize();
+    const ReprojectionCost<TypeParam, HomogeneousPoint> ours(s.observed);
+    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 4> autodiff(
+        new Functor{s.observed});
+    expect_equal(ours, autodiff,
+                 {pose_block<TypeParam>(s.omega, s.t),
+                  {s.intrinsics.data(), s.intrinsics.data() + 3},
+                  {x.data(), x.data() + 4}}, i);
+  }
+}
+
+TYPED_TEST(CostFunctions, InverseDepthJacobiansEqualAutodiff) {
+  using Functor = InverseDepthFunctor<TypeParam::kSize>;
+  for (int i = 0; i < kNumStates; ++i) {
+    const State s = random_state(i);
+    const Vector3 p_h = so3_exp(s.omega_h) * world_point(s) + s.t_h;
+    const std::vector<double> point = {-p_h.x() / p_h.z(), -p_h.y() / p_h.z(), -1.0 / p_h.z()};
+    const InverseDepthCost<TypeParam> ours(s.observed);
+    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 3, TypeParam::kSize> autodiff(
+        new Functor{s.observed});
+    expect_equal(ours, autodiff,
+                 {pose_block<TypeParam>(s.omega, s.t),
+                  {s.intrinsics.data(), s.intrinsics.data() + 3}, point,
+                  pose_block<TypeParam>(s.omega_h, s.t_h)}, i);
+  }
+}
+
+TEST(InverseDepthHostCost, JacobiansEqualAutodiff) {
+  for (int i = 0; i < kNumStates; ++i) {
+    const State s = random_state(i);
+    const InverseDepthHostCost ours(s.observed);
+    const ceres::AutoDiffCostFunction<InverseDepthHostFunctor, 2, 3, 3> autodiff(
+        new InverseDepthHostFunctor{s.observed});
+    expect_equal(ours, autodiff,
+                 {{s.intrinsics.data(), s.intrinsics.data() + 3},
+                  {-s.p_c.x() / s.p_c.z(), -s.p_c.y() / s.p_c.z(), -1.0 / s.p_c.z()}}, i);
+  }
+}
+
+}  // namespace
+}  // namespace raylign::ceres_backend

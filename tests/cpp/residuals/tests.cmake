@@ -1,0 +1,1 @@
+raylign_add_test(residuals reprojection_test.cpp)

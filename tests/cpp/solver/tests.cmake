@@ -1,0 +1,1 @@
+raylign_add_test(solver options_test.cpp)
