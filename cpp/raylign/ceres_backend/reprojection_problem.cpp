@@ -55,25 +55,6 @@ class Builder final : public ReprojectionProblem {
     apply_point_constants();
   }
 
-  std::string describe_invalid_start() const override {
-    for (std::int64_t i = 0; i < source_.num_observations(); ++i) {
-      Vector2 residual;
-      const std::int32_t camera = source_.camera_index[i];
-      const std::int32_t point = source_.point_index[i];
-      const Pose pose(pose_block(camera));
-      const Vector3 x = source_.points.row(point).transpose();
-      const Vector3 p_c = pose.R_cw * x + pose.t_cw;
-      const Vector2 observed = source_.observations.row(i).transpose();
-      const bool valid = reprojection_residual(
-          p_c, Vector3(Eigen::Map<const Vector3>(intrinsics_block(camera))), observed, residual);
-      if (valid && std::isfinite(residual.squaredNorm())) continue;
-      return "the start is invalid: observation " + std::to_string(i) + " (camera " +
-             std::to_string(camera) + ", point " + std::to_string(point) +
-             ") has no finite reprojection; the point's depth is " + format_double(-p_c.z());
-    }
-    return "";
-  }
-
   void write_back(BalProblem& problem) const override {
     for (std::int64_t c = 0; c < problem.num_cameras(); ++c) {
       write_back_pose(c, problem);

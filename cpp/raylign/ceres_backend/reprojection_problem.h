@@ -5,7 +5,6 @@
 #include <ceres/problem.h>
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "raylign/scene/bal_problem.h"
@@ -18,7 +17,7 @@ namespace raylign::ceres_backend {
 /// observation, constants and gauge applied. Owns everything that the ceres::Problem points to.
 class ReprojectionProblem {
  public:
-  /// `problem` must be valid and outlive this object. Throws OptionsError for constants that the chosen
+  /// `problem` must be valid, with finite residuals (Ceres aborts on NaN parameters), and outlive this object. Throws OptionsError for constants that the chosen
   /// parametrisation cannot hold.
   static std::unique_ptr<ReprojectionProblem> create(const BalProblem& problem,
                                                      const BundleConfig& config,
@@ -32,8 +31,6 @@ class ReprojectionProblem {
   const std::vector<double*>& blocks() const { return blocks_; }
   const std::vector<double*>& point_blocks() const { return point_blocks_; }
 
-  /// Empty when every residual is finite at the current state; else which observation is not, and why.
-  virtual std::string describe_invalid_start() const = 0;
   /// Writes the current state into `problem`; blocks that still hold their first bits are left alone.
   virtual void write_back(BalProblem& problem) const = 0;
 

@@ -11,6 +11,7 @@
 #include "raylign/ceres_backend/process_guards.h"
 #include "raylign/ceres_backend/reprojection_problem.h"
 #include "raylign/ceres_backend/summary_bridge.h"
+#include "raylign/scene/bal_statistics.h"
 
 namespace raylign::ceres_backend {
 namespace {
@@ -55,6 +56,20 @@ void set_ordering(ReprojectionProblem& problem, ceres::Solver::Options& options)
   for (double* block : problem.blocks()) ordering->AddElementToGroup(block, 1);
   for (double* block : problem.point_blocks()) ordering->AddElementToGroup(block, 0);
   options.linear_solver_ordering = ordering;
+}
+
+// Empty when every residual is finite; else which observation is not, and why. Asked before Ceres sees a
+// number: it aborts the process on NaN parameters.
+std::string describe_invalid_start(const BalProblem& problem) {
+  const auto residuals = reprojection_residuals(problem);
+  for (std::int64_t i = 0; i < problem.num_observations(); ++i) {
+    if (std::isfinite(residuals.row(i).squaredNorm())) continue;
+    return "the start is invalid: observation " + std::to_string(i) + " (camera " +
+           std::to_string(problem.camera_index[i]) + ", point " +
+           std::to_string(problem.point_index[i]) + ") has no finite reprojection error; its depth is " +
+           format_double(depths(problem)[i]);
+  }
+  return "";
 }
 
 Summary failure(const std::string& message) {
@@ -104,9 +119,9 @@ Summary solve(BalProblem& problem, const BundleConfig& config, const BundleOptio
       choose_linear_solver(options.linear_solver.type, problem.num_cameras());
   if (choice.type == LinearSolverType::DENSE_NORMAL_CHOLESKY) check_dense_memory(problem);
 
-  const auto built = ReprojectionProblem::create(problem, config, options);
-  const std::string invalid = built->describe_invalid_start();
+  const std::string invalid = describe_invalid_start(problem);
   if (!invalid.empty()) return failure(invalid);
+  const auto built = ReprojectionProblem::create(problem, config, options);
 
   BundleOptions resolved = options;
   resolved.linear_solver.type = choice.type;
@@ -135,9 +150,9 @@ Summary solve(BalProblem& problem, const BundleConfig& config, const BundleOptio
 Linearization linearize(const BalProblem& problem, const BundleConfig& config,
                         const BundleOptions& options) {
   const ScopedGlogSilence silence;
-  const auto built = ReprojectionProblem::create(problem, config, options);
-  const std::string invalid = built->describe_invalid_start();
+  const std::string invalid = describe_invalid_start(problem);
   if (!invalid.empty()) throw Error(invalid);
+  const auto built = ReprojectionProblem::create(problem, config, options);
 
   ceres::Problem::EvaluateOptions evaluate;
   evaluate.num_threads = options.lm.num_threads;

@@ -26,8 +26,9 @@ constexpr std::size_t kFlushSize = std::size_t{1} << 20;
 
 constexpr int kFrustumVertices = 6;  // centre, corners counter-clockwise from lower left, tip
 constexpr int kFrustumFaces = 7;
-constexpr std::int32_t kFaces[kFrustumFaces][3] = {{0, 2, 1}, {0, 3, 2}, {0, 4, 3}, {0, 1, 4},
-                                                   {1, 2, 3}, {1, 3, 4}, {4, 3, 5}};
+// Counter-clockwise from outside.
+constexpr std::int32_t kFaces[kFrustumFaces][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1},
+                                                   {1, 3, 2}, {1, 4, 3}, {3, 4, 5}};
 
 using Frustum = Eigen::Matrix<float, kFrustumVertices, 3, Eigen::RowMajor>;
 
@@ -172,8 +173,8 @@ PlySummary write_ply(const BalProblem& problem, ByteSink& sink, const PlyOptions
   summary.num_skipped_points = problem.num_points() - summary.num_points;
   summary.num_skipped_cameras = options.cameras ? problem.num_cameras() - summary.num_cameras : 0;
 
-  if (summary.num_points > std::numeric_limits<std::int32_t>::max() -
-                               kFrustumVertices * summary.num_cameras) {
+  if (summary.num_points >
+      std::numeric_limits<std::int32_t>::max() - kFrustumVertices * summary.num_cameras) {
     throw FormatError(sink.name(), 0, "", "cannot be written: PLY faces index 2147483647 vertices");
   }
   std::string buffer = header(summary.num_points + kFrustumVertices * summary.num_cameras,

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+
+#include <utility>
+
+#include "bindings.h"
+#include "raylign/bundle/bundle_adjuster.h"
+
+namespace raylign::python {
+namespace {
+
+namespace py = pybind11;
+
+// Asks Python whether to go on. Ctrl-C means "stop and keep the best state", here and inside the user's
+// callback; any other exception travels through the solver to the caller.
+CallbackAction ask_python(const py::object& callback, const IterationSummary& summary) {
+  const py::gil_scoped_acquire gil;
+  try {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (callback.is_none()) return CallbackAction::CONTINUE;
+    const py::object answer = callback(summary);
+    return answer.is(py::bool_(false)) ? CallbackAction::STOP : CallbackAction::CONTINUE;
+  } catch (py::error_already_set& error) {
+    if (error.matches(PyExc_KeyboardInterrupt)) return CallbackAction::STOP;
+    throw;
+  }
+}
+
+Summary adjust_in_place(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+                        const py::object& callback) {
+  const py::gil_scoped_release release;
+  return adjust(problem, config, options,
+                [&callback](const IterationSummary& summary) { return ask_python(callback, summary); });
+}
+
+template <typename T>
+py::array_t<T> to_numpy(const std::vector<T>& values) {
+  return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+}  // namespace
+
+void bind_bundle(py::module_& m) {
+  py::class_<Linearization>(m, "Linearization", "r(x ⊞ δ) ≈ r + J δ, robust weights applied.")
+      .def_readonly("cost", &Linearization::cost, "½ Σ ρ(‖r‖²).")
+      .def_property_readonly(
+          "residuals", [](const Linearization& l) { return to_numpy(l.residuals); }, "(2N,) weighted.")
+      .def_property_readonly(
+          "gradient", [](const Linearization& l) { return to_numpy(l.gradient); }, "(n,) Jᵀr.")
+      .def_readonly("num_columns", &Linearization::num_columns, "n.")
+      .def_property_readonly(
+          "row_starts", [](const Linearization& l) { return to_numpy(l.row_starts); }, "(2N + 1,) CRS.")
+      .def_property_readonly(
+          "columns", [](const Linearization& l) { return to_numpy(l.columns); }, "CRS.")
+      .def_property_readonly(
+          "values", [](const Linearization& l) { return to_numpy(l.values); }, "CRS.");
+  m.def("linearize", &linearize, py::arg("problem"), py::kw_only(), py::arg("config"),
+        py::arg("options"), py::call_guard<py::gil_scoped_release>());
+  m.def("adjust", &adjust_in_place, py::arg("problem"), py::kw_only(), py::arg("config"),
+        py::arg("options"), py::arg("callback").none(true),
+        "Refine `problem` in place; the façade raylign.bundle.adjust copies first.");
+}
+
+}  // namespace raylign::python

@@ -1,0 +1,891 @@
+"""Typed surface of the compiled module. scripts/make_stub.py writes it: do not edit."""
+
+import enum
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, Self, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+class Error(RuntimeError): ...
+class OptionsError(Error, ValueError): ...
+class ShapeError(Error, ValueError): ...
+
+class FormatError(Error, ValueError):
+    file: str
+    line: int
+    field: str
+    reason: str
+
+def build_info() -> dict[str, Any]: ...
+def so3_hat(omega: object, /) -> NDArray[np.float64]: ...
+def so3_vee(omega_hat: object, /) -> NDArray[np.float64]: ...
+def so3_exp(omega: object, /) -> NDArray[np.float64]: ...
+def so3_log(R: object, /) -> NDArray[np.float64]: ...
+def so3_adjoint(R: object, /) -> NDArray[np.float64]: ...
+def so3_left_jacobian(omega: object, /) -> NDArray[np.float64]: ...
+def so3_right_jacobian(omega: object, /) -> NDArray[np.float64]: ...
+def so3_left_jacobian_inverse(omega: object, /) -> NDArray[np.float64]: ...
+def so3_right_jacobian_inverse(omega: object, /) -> NDArray[np.float64]: ...
+def quaternion_exp(omega: object, /) -> NDArray[np.float64]: ...
+def quaternion_log(q: object, /) -> NDArray[np.float64]: ...
+def quaternion_to_matrix(q: object, /) -> NDArray[np.float64]: ...
+def quaternion_from_matrix(R: object, /) -> NDArray[np.float64]: ...
+def se3_hat(xi: object, /) -> NDArray[np.float64]: ...
+def se3_vee(xi_hat: object, /) -> NDArray[np.float64]: ...
+def se3_exp(xi: object, /) -> NDArray[np.float64]: ...
+def se3_log(T: object, /) -> NDArray[np.float64]: ...
+def se3_inverse(T: object, /) -> NDArray[np.float64]: ...
+def se3_adjoint(T: object, /) -> NDArray[np.float64]: ...
+def se3_left_jacobian(xi: object, /) -> NDArray[np.float64]: ...
+def se3_right_jacobian(xi: object, /) -> NDArray[np.float64]: ...
+def se3_left_jacobian_inverse(xi: object, /) -> NDArray[np.float64]: ...
+def se3_right_jacobian_inverse(xi: object, /) -> NDArray[np.float64]: ...
+def sim3_hat(xi: object, /) -> NDArray[np.float64]: ...
+def sim3_vee(xi_hat: object, /) -> NDArray[np.float64]: ...
+def sim3_exp(xi: object, /) -> NDArray[np.float64]: ...
+def sim3_log(S: object, /) -> NDArray[np.float64]: ...
+def sim3_inverse(S: object, /) -> NDArray[np.float64]: ...
+def sim3_adjoint(S: object, /) -> NDArray[np.float64]: ...
+def sim3_left_jacobian(xi: object, /) -> NDArray[np.float64]: ...
+def sim3_right_jacobian(xi: object, /) -> NDArray[np.float64]: ...
+def sim3_left_jacobian_inverse(xi: object, /) -> NDArray[np.float64]: ...
+def sim3_right_jacobian_inverse(xi: object, /) -> NDArray[np.float64]: ...
+def umeyama(source: object, target: object, *, with_scale: bool = True) -> NDArray[np.float64]: ...
+
+class PinholeCamera:
+    @property
+    def fx(self) -> float: ...
+    @property
+    def fy(self) -> float: ...
+    @property
+    def cx(self) -> float: ...
+    @property
+    def cy(self) -> float: ...
+    @property
+    def params(self) -> NDArray[np.float64]: ...
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self, *, fx: float = ..., fy: float = ..., cx: float = ..., cy: float = ...
+    ) -> None: ...
+    def replace(
+        self, *, fx: float = ..., fy: float = ..., cx: float = ..., cy: float = ...
+    ) -> Self: ...
+    def __repr__(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def project(self, p_c: object) -> tuple[Any, ...]: ...
+    def project_with_jacobians(self, p_c: object) -> tuple[Any, ...]: ...
+    def unproject(self, uv: object) -> tuple[Any, ...]: ...
+    def unproject_with_jacobians(self, uv: object) -> tuple[Any, ...]: ...
+    @staticmethod
+    def is_in_front(p_c: object) -> object: ...
+    def matrix(self) -> NDArray[np.float64]: ...
+
+class RadtanCamera:
+    @property
+    def fx(self) -> float: ...
+    @property
+    def fy(self) -> float: ...
+    @property
+    def cx(self) -> float: ...
+    @property
+    def cy(self) -> float: ...
+    @property
+    def k1(self) -> float: ...
+    @property
+    def k2(self) -> float: ...
+    @property
+    def p1(self) -> float: ...
+    @property
+    def p2(self) -> float: ...
+    @property
+    def k3(self) -> float: ...
+    @property
+    def params(self) -> NDArray[np.float64]: ...
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        fx: float = ...,
+        fy: float = ...,
+        cx: float = ...,
+        cy: float = ...,
+        k1: float = ...,
+        k2: float = ...,
+        p1: float = ...,
+        p2: float = ...,
+        k3: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        fx: float = ...,
+        fy: float = ...,
+        cx: float = ...,
+        cy: float = ...,
+        k1: float = ...,
+        k2: float = ...,
+        p1: float = ...,
+        p2: float = ...,
+        k3: float = ...,
+    ) -> Self: ...
+    def __repr__(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def project(self, p_c: object) -> tuple[Any, ...]: ...
+    def project_with_jacobians(self, p_c: object) -> tuple[Any, ...]: ...
+    def unproject(self, uv: object) -> tuple[Any, ...]: ...
+    def unproject_with_jacobians(self, uv: object) -> tuple[Any, ...]: ...
+    @staticmethod
+    def is_in_front(p_c: object) -> object: ...
+
+class BalCamera:
+    @property
+    def f(self) -> float: ...
+    @property
+    def k1(self) -> float: ...
+    @property
+    def k2(self) -> float: ...
+    @property
+    def params(self) -> NDArray[np.float64]: ...
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(self, *, f: float = ..., k1: float = ..., k2: float = ...) -> None: ...
+    def replace(self, *, f: float = ..., k1: float = ..., k2: float = ...) -> Self: ...
+    def __repr__(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def project(self, p_c: object) -> tuple[Any, ...]: ...
+    def project_with_jacobians(self, p_c: object) -> tuple[Any, ...]: ...
+    def unproject(self, uv: object) -> tuple[Any, ...]: ...
+    def unproject_with_jacobians(self, uv: object) -> tuple[Any, ...]: ...
+    @staticmethod
+    def is_in_front(p_c: object) -> object: ...
+
+@overload
+def undistort_map(
+    camera: PinholeCamera, K_new: object, *, width: int, height: int
+) -> tuple[Any, ...]: ...
+@overload
+def undistort_map(
+    camera: RadtanCamera, K_new: object, *, width: int, height: int
+) -> tuple[Any, ...]: ...
+
+class Interpolation(enum.Enum):
+    NEAREST = 0
+    LINEAR = 1
+    CUBIC = 2
+
+def remap(
+    image: object, map_x: object, map_y: object, *, interpolation: Interpolation
+) -> NDArray[Any]: ...
+
+class LossType(enum.Enum):
+    TRIVIAL = 0
+    HUBER = 1
+    SOFT_L1 = 2
+    CAUCHY = 3
+    ARCTAN = 4
+    TUKEY = 5
+    GEMAN_MCCLURE = 6
+    STUDENT_T = 7
+
+class Loss:
+    type: LossType
+    scale: float
+    degrees_of_freedom: float
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self, *, type: LossType = ..., scale: float = ..., degrees_of_freedom: float = ...
+    ) -> None: ...
+    def replace(
+        self, *, type: LossType = ..., scale: float = ..., degrees_of_freedom: float = ...
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def evaluate(self, squared_norm: object) -> tuple[Any, ...]: ...
+    @staticmethod
+    def parse(text: str) -> Loss: ...
+
+class LinearSolverType(enum.Enum):
+    AUTO = 0
+    DENSE_NORMAL_CHOLESKY = 1
+    DENSE_SCHUR = 2
+    SPARSE_SCHUR = 3
+    ITERATIVE_SCHUR = 4
+
+class Preconditioner(enum.Enum):
+    IDENTITY = 0
+    JACOBI = 1
+    SCHUR_JACOBI = 2
+    CLUSTER_JACOBI = 3
+    CLUSTER_TRIDIAGONAL = 4
+
+class Termination(enum.Enum):
+    NOT_RUN = 0
+    CONVERGENCE = 1
+    MAX_ITERATIONS = 2
+    TIME_LIMIT = 3
+    USER_STOPPED = 4
+    FAILURE = 5
+
+class Backend(enum.Enum):
+    CERES = 0
+
+class PoseParametrization(enum.Enum):
+    SE3 = 0
+    QUATERNION = 1
+    ANGLE_AXIS = 2
+
+class PointParametrization(enum.Enum):
+    XYZ = 0
+    HOMOGENEOUS = 1
+    INVERSE_DEPTH = 2
+
+class Gauge(enum.Enum):
+    FREE = 0
+    FIRST_CAMERA = 1
+    TWO_CAMERAS = 2
+
+class ParameterKind(enum.Enum):
+    POSE = 0
+    INTRINSICS = 1
+    POINT = 2
+
+class LmOptions:
+    max_num_iterations: int
+    max_solver_time_s: float
+    function_tolerance: float
+    gradient_tolerance: float
+    parameter_tolerance: float
+    initial_lambda: float
+    min_lambda: float
+    max_lambda: float
+    min_relative_decrease: float
+    min_diagonal: float
+    max_diagonal: float
+    max_num_consecutive_invalid_steps: int
+    jacobi_scaling: bool
+    num_threads: int
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        max_num_iterations: int = ...,
+        max_solver_time_s: float = ...,
+        function_tolerance: float = ...,
+        gradient_tolerance: float = ...,
+        parameter_tolerance: float = ...,
+        initial_lambda: float = ...,
+        min_lambda: float = ...,
+        max_lambda: float = ...,
+        min_relative_decrease: float = ...,
+        min_diagonal: float = ...,
+        max_diagonal: float = ...,
+        max_num_consecutive_invalid_steps: int = ...,
+        jacobi_scaling: bool = ...,
+        num_threads: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        max_num_iterations: int = ...,
+        max_solver_time_s: float = ...,
+        function_tolerance: float = ...,
+        gradient_tolerance: float = ...,
+        parameter_tolerance: float = ...,
+        initial_lambda: float = ...,
+        min_lambda: float = ...,
+        max_lambda: float = ...,
+        min_relative_decrease: float = ...,
+        min_diagonal: float = ...,
+        max_diagonal: float = ...,
+        max_num_consecutive_invalid_steps: int = ...,
+        jacobi_scaling: bool = ...,
+        num_threads: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class LinearSolverOptions:
+    type: LinearSolverType
+    preconditioner: Preconditioner
+    explicit_schur: bool
+    max_num_iterations: int
+    forcing_tolerance: float
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        type: LinearSolverType = ...,
+        preconditioner: Preconditioner = ...,
+        explicit_schur: bool = ...,
+        max_num_iterations: int = ...,
+        forcing_tolerance: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        type: LinearSolverType = ...,
+        preconditioner: Preconditioner = ...,
+        explicit_schur: bool = ...,
+        max_num_iterations: int = ...,
+        forcing_tolerance: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class BundleOptions:
+    backend: Backend
+    pose_parametrization: PoseParametrization
+    point_parametrization: PointParametrization
+    loss: Loss
+    lm: LmOptions
+    linear_solver: LinearSolverOptions
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        backend: Backend = ...,
+        pose_parametrization: PoseParametrization = ...,
+        point_parametrization: PointParametrization = ...,
+        loss: Loss = ...,
+        lm: LmOptions = ...,
+        linear_solver: LinearSolverOptions = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        backend: Backend = ...,
+        pose_parametrization: PoseParametrization = ...,
+        point_parametrization: PointParametrization = ...,
+        loss: Loss = ...,
+        lm: LmOptions = ...,
+        linear_solver: LinearSolverOptions = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class ConstantCoordinate:
+    kind: ParameterKind
+    index: int
+    coordinate: str
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self, *, kind: ParameterKind = ..., index: int = ..., coordinate: str = ...
+    ) -> None: ...
+    def replace(
+        self, *, kind: ParameterKind = ..., index: int = ..., coordinate: str = ...
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class BundleConfig:
+    gauge: Gauge
+    constant_cameras: list[int]
+    constant_intrinsics: list[int]
+    constant_points: list[int]
+    constant_coordinates: list[ConstantCoordinate]
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        gauge: Gauge = ...,
+        constant_cameras: list[int] = ...,
+        constant_intrinsics: list[int] = ...,
+        constant_points: list[int] = ...,
+        constant_coordinates: list[ConstantCoordinate] = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        gauge: Gauge = ...,
+        constant_cameras: list[int] = ...,
+        constant_intrinsics: list[int] = ...,
+        constant_points: list[int] = ...,
+        constant_coordinates: list[ConstantCoordinate] = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class IterationSummary:
+    iteration: int
+    linear_solver_iterations: int
+    num_residual_blocks: int
+    step_is_valid: bool
+    step_is_accepted: bool
+    cost: float
+    cost_change: float
+    gain_ratio: float
+    gradient_max_norm: float
+    step_norm: float
+    lambda_: float
+    linear_solver_time_s: float
+    iteration_time_s: float
+    cumulative_time_s: float
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        iteration: int = ...,
+        linear_solver_iterations: int = ...,
+        num_residual_blocks: int = ...,
+        step_is_valid: bool = ...,
+        step_is_accepted: bool = ...,
+        cost: float = ...,
+        cost_change: float = ...,
+        gain_ratio: float = ...,
+        gradient_max_norm: float = ...,
+        step_norm: float = ...,
+        lambda_: float = ...,
+        linear_solver_time_s: float = ...,
+        iteration_time_s: float = ...,
+        cumulative_time_s: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        iteration: int = ...,
+        linear_solver_iterations: int = ...,
+        num_residual_blocks: int = ...,
+        step_is_valid: bool = ...,
+        step_is_accepted: bool = ...,
+        cost: float = ...,
+        cost_change: float = ...,
+        gain_ratio: float = ...,
+        gradient_max_norm: float = ...,
+        step_norm: float = ...,
+        lambda_: float = ...,
+        linear_solver_time_s: float = ...,
+        iteration_time_s: float = ...,
+        cumulative_time_s: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class Summary:
+    termination: Termination
+    message: str
+    backend: str
+    initial_cost: float
+    final_cost: float
+    num_accepted: int
+    num_rejected: int
+    num_residuals: int
+    num_effective_parameters: int
+    linear_solver: LinearSolverType
+    linear_solver_reason: str
+    num_threads: int
+    deterministic: bool
+    preprocessor_time_s: float
+    residual_time_s: float
+    jacobian_time_s: float
+    linear_solver_time_s: float
+    total_time_s: float
+    iterations: NDArray[Any]
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        termination: Termination = ...,
+        message: str = ...,
+        backend: str = ...,
+        initial_cost: float = ...,
+        final_cost: float = ...,
+        num_accepted: int = ...,
+        num_rejected: int = ...,
+        num_residuals: int = ...,
+        num_effective_parameters: int = ...,
+        linear_solver: LinearSolverType = ...,
+        linear_solver_reason: str = ...,
+        num_threads: int = ...,
+        deterministic: bool = ...,
+        preprocessor_time_s: float = ...,
+        residual_time_s: float = ...,
+        jacobian_time_s: float = ...,
+        linear_solver_time_s: float = ...,
+        total_time_s: float = ...,
+        iterations: NDArray[Any] = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        termination: Termination = ...,
+        message: str = ...,
+        backend: str = ...,
+        initial_cost: float = ...,
+        final_cost: float = ...,
+        num_accepted: int = ...,
+        num_rejected: int = ...,
+        num_residuals: int = ...,
+        num_effective_parameters: int = ...,
+        linear_solver: LinearSolverType = ...,
+        linear_solver_reason: str = ...,
+        num_threads: int = ...,
+        deterministic: bool = ...,
+        preprocessor_time_s: float = ...,
+        residual_time_s: float = ...,
+        jacobian_time_s: float = ...,
+        linear_solver_time_s: float = ...,
+        total_time_s: float = ...,
+        iterations: NDArray[Any] = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def is_usable(self) -> bool: ...
+    def brief_report(self) -> str: ...
+    def full_report(self) -> str: ...
+
+class CountSummary:
+    min: float
+    median: float
+    mean: float
+    max: float
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self, *, min: float = ..., median: float = ..., mean: float = ..., max: float = ...
+    ) -> None: ...
+    def replace(
+        self, *, min: float = ..., median: float = ..., mean: float = ..., max: float = ...
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class ProblemStatistics:
+    num_cameras: int
+    num_points: int
+    num_observations: int
+    observations_per_camera: CountSummary
+    observations_per_point: CountSummary
+    track_length_histogram: list[int]
+    cost: float
+    rmse: float
+    median_error: float
+    max_error: float
+    num_behind_camera: int
+    num_non_finite: int
+    num_unobserved_cameras: int
+    num_unobserved_points: int
+    num_underconstrained_points: int
+    num_underconstrained_cameras: int
+    num_duplicate_observations: int
+    num_non_positive_focal: int
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        num_cameras: int = ...,
+        num_points: int = ...,
+        num_observations: int = ...,
+        observations_per_camera: CountSummary = ...,
+        observations_per_point: CountSummary = ...,
+        track_length_histogram: list[int] = ...,
+        cost: float = ...,
+        rmse: float = ...,
+        median_error: float = ...,
+        max_error: float = ...,
+        num_behind_camera: int = ...,
+        num_non_finite: int = ...,
+        num_unobserved_cameras: int = ...,
+        num_unobserved_points: int = ...,
+        num_underconstrained_points: int = ...,
+        num_underconstrained_cameras: int = ...,
+        num_duplicate_observations: int = ...,
+        num_non_positive_focal: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        num_cameras: int = ...,
+        num_points: int = ...,
+        num_observations: int = ...,
+        observations_per_camera: CountSummary = ...,
+        observations_per_point: CountSummary = ...,
+        track_length_histogram: list[int] = ...,
+        cost: float = ...,
+        rmse: float = ...,
+        median_error: float = ...,
+        max_error: float = ...,
+        num_behind_camera: int = ...,
+        num_non_finite: int = ...,
+        num_unobserved_cameras: int = ...,
+        num_unobserved_points: int = ...,
+        num_underconstrained_points: int = ...,
+        num_underconstrained_cameras: int = ...,
+        num_duplicate_observations: int = ...,
+        num_non_positive_focal: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class BalProblem:
+    @property
+    def cameras(self) -> NDArray[np.float64]: ...
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def camera_index(self) -> NDArray[np.int32]: ...
+    @property
+    def point_index(self) -> NDArray[np.int32]: ...
+    @property
+    def observations(self) -> NDArray[np.float64]: ...
+    @property
+    def colors(self) -> NDArray[np.uint8]: ...
+    @property
+    def num_cameras(self) -> int: ...
+    @property
+    def num_points(self) -> int: ...
+    @property
+    def num_observations(self) -> int: ...
+    def __init__(
+        self,
+        cameras: object,
+        points: object,
+        camera_index: object,
+        point_index: object,
+        observations: object,
+        *,
+        colors: object = None,
+    ) -> None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def copy(self) -> BalProblem: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __repr__(self) -> str: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def replace(self, **changes: Any) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def residuals(self) -> NDArray[np.float64]: ...
+    def depths(self) -> NDArray[np.float64]: ...
+    def cost(self) -> float: ...
+    def statistics(self) -> ProblemStatistics: ...
+    def camera_centers(self) -> NDArray[np.float64]: ...
+    def T_cw(self) -> NDArray[Any]: ...
+    def normalized(self, *, extent: float = 100.0) -> tuple[BalProblem, NDArray[np.float64]]: ...
+    def transformed(self, S_nw: ArrayLike) -> BalProblem: ...
+    def validate(self) -> None: ...
+
+def read_bal(path: str, *, duplicates: str) -> BalProblem: ...
+def parse_bal(text: bytes, *, name: str, duplicates: str) -> BalProblem: ...
+def write_bal(problem: BalProblem, path: str) -> None: ...
+def format_bal(problem: BalProblem) -> bytes: ...
+def write_ply(
+    problem: BalProblem,
+    path: str,
+    *,
+    cameras: bool,
+    camera_scale: float,
+    camera_color: Sequence[int],
+    point_color: Sequence[int],
+) -> tuple[Any, ...]: ...
+
+class BalKind(enum.Enum):
+    STREET = 0
+    ORBIT = 1
+
+class BalOptions:
+    kind: BalKind
+    num_cameras: int
+    num_points: int
+    num_observations: int
+    mean_track_length: float
+    seed: int
+    num_laps: int
+    views_per_stop: int
+    stop_spacing: float
+    loop_closure_fraction: float
+    max_distance: float
+    image_width: int
+    image_height: int
+    focal: float
+    focal_sigma: float
+    k1: float
+    k1_sigma: float
+    k2: float
+    k2_sigma: float
+    far_fraction: float
+    far_factor: float
+    pixel_noise: float
+    outlier_fraction: float
+    rotation_noise_deg: float
+    translation_noise: float
+    point_noise: float
+    focal_noise: float
+    distortion_noise: float
+    __fields__: ClassVar[tuple[str, ...]]
+    def __init__(
+        self,
+        *,
+        kind: BalKind = ...,
+        num_cameras: int = ...,
+        num_points: int = ...,
+        num_observations: int = ...,
+        mean_track_length: float = ...,
+        seed: int = ...,
+        num_laps: int = ...,
+        views_per_stop: int = ...,
+        stop_spacing: float = ...,
+        loop_closure_fraction: float = ...,
+        max_distance: float = ...,
+        image_width: int = ...,
+        image_height: int = ...,
+        focal: float = ...,
+        focal_sigma: float = ...,
+        k1: float = ...,
+        k1_sigma: float = ...,
+        k2: float = ...,
+        k2_sigma: float = ...,
+        far_fraction: float = ...,
+        far_factor: float = ...,
+        pixel_noise: float = ...,
+        outlier_fraction: float = ...,
+        rotation_noise_deg: float = ...,
+        translation_noise: float = ...,
+        point_noise: float = ...,
+        focal_noise: float = ...,
+        distortion_noise: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        kind: BalKind = ...,
+        num_cameras: int = ...,
+        num_points: int = ...,
+        num_observations: int = ...,
+        mean_track_length: float = ...,
+        seed: int = ...,
+        num_laps: int = ...,
+        views_per_stop: int = ...,
+        stop_spacing: float = ...,
+        loop_closure_fraction: float = ...,
+        max_distance: float = ...,
+        image_width: int = ...,
+        image_height: int = ...,
+        focal: float = ...,
+        focal_sigma: float = ...,
+        k1: float = ...,
+        k1_sigma: float = ...,
+        k2: float = ...,
+        k2_sigma: float = ...,
+        far_fraction: float = ...,
+        far_factor: float = ...,
+        pixel_noise: float = ...,
+        outlier_fraction: float = ...,
+        rotation_noise_deg: float = ...,
+        translation_noise: float = ...,
+        point_noise: float = ...,
+        focal_noise: float = ...,
+        distortion_noise: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+def synthetic_bal(options: BalOptions) -> tuple[BalProblem, BalProblem, NDArray[np.bool]]: ...
+def write_synthetic_bal(
+    options: BalOptions, path: str, *, truth_path: str | None, progress: object
+) -> tuple[Any, ...]: ...
+
+class Linearization:
+    @property
+    def cost(self) -> float: ...
+    @property
+    def residuals(self) -> NDArray[np.float64]: ...
+    @property
+    def gradient(self) -> NDArray[np.float64]: ...
+    @property
+    def num_columns(self) -> int: ...
+    @property
+    def row_starts(self) -> NDArray[np.int32]: ...
+    @property
+    def columns(self) -> NDArray[np.int32]: ...
+    @property
+    def values(self) -> NDArray[np.float64]: ...
+
+def linearize(
+    problem: BalProblem, *, config: BundleConfig, options: BundleOptions
+) -> Linearization: ...
+def adjust(
+    problem: BalProblem,
+    *,
+    config: BundleConfig,
+    options: BundleOptions,
+    callback: Callable[[IterationSummary], bool | None] | None,
+) -> Summary: ...

@@ -1,0 +1,63 @@
+"""Reading and writing problems by suffix, and looking before the leap."""
+
+import os
+from pathlib import Path
+
+from raylign.cli._choices import Duplicates
+from raylign.errors import OptionsError
+from raylign.io import read_bal, read_npz, write_bal, write_npz, write_ply
+from raylign.scene import BalProblem
+
+BAL_SUFFIXES = (".txt", ".txt.gz", ".txt.bz2", ".bal", ".bal.gz", ".bal.bz2")
+PLY_SUFFIXES = (".ply", ".ply.gz", ".ply.bz2")
+WRITABLE_SUFFIXES = (*BAL_SUFFIXES, ".npz", *PLY_SUFFIXES)
+
+
+def read_problem(path: Path, duplicates: Duplicates = Duplicates.ERROR) -> BalProblem:
+    """Read a `.npz`, or anything else as BAL text (plain, gzip or bzip2)."""
+    if path.suffix.lower() == ".npz":
+        return read_npz(path)
+    return read_bal(path, duplicates=duplicates.value)
+
+
+def write_problem(problem: BalProblem, path: Path) -> None:
+    """Write by suffix; the name appears when the content is complete."""
+    check_problem_target(path)
+    name = path.name.lower()
+    if name.endswith(".npz"):
+        write_npz(problem, path)
+    elif name.endswith(PLY_SUFFIXES):
+        write_ply(problem, path)
+    else:
+        write_bal(problem, path)
+
+
+def check_problem_target(path: Path, suffixes: tuple[str, ...] = WRITABLE_SUFFIXES) -> None:
+    """Raise now what writing `path` would raise after an hour of work.
+
+    Raises:
+        OptionsError: the suffix names no format.
+        OSError: the folder is missing or not writable, or the name is a folder's.
+    """
+    if not path.name.lower().endswith(suffixes):
+        raise OptionsError(f"{path}: the suffix must be one of {', '.join(suffixes)}")
+    if path.is_dir():
+        raise IsADirectoryError(f"{path} is a folder, expected a file name")
+    if not path.parent.is_dir():
+        raise NotADirectoryError(f"{path}: the folder {path.parent} does not exist")
+    _check_writable(path.parent)
+
+
+def check_report_target(path: Path) -> None:
+    """The same for a folder that will be created when missing."""
+    existing = path
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if not existing.is_dir():
+        raise NotADirectoryError(f"{path}: {existing} is not a folder")
+    _check_writable(existing)
+
+
+def _check_writable(folder: Path) -> None:
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise PermissionError(f"the folder {folder} is not writable")

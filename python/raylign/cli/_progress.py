@@ -1,0 +1,117 @@
+"""What a running solve shows: a table row per iteration over a progress bar, or g2o's log lines."""
+
+import contextlib
+from collections.abc import Iterator
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    DownloadColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+)
+
+from raylign.cli._choices import LogStyle
+
+# 79 characters with the mark of a rejected step: one line of the narrowest usual terminal.
+_COLUMNS = (  # heading, width, format, field
+    ("iter", 5, "d", "iteration"),
+    ("cost", 14, ".7e", "cost"),
+    ("change", 10, ".2e", "cost_change"),
+    ("|grad|", 9, ".2e", "gradient_max_norm"),
+    ("|step|", 9, ".2e", "step_norm"),
+    ("lambda", 9, ".2e", "lambda_"),
+    ("lin", 5, "d", "linear_solver_iterations"),
+    ("s", 8, ".3f", "iteration_time_s"),
+    ("total s", 8, ".3f", "cumulative_time_s"),
+)
+
+
+def table_header() -> str:
+    """Heading of the iteration table."""
+    return "".join(f"{name:>{width}}" for name, width, _, _ in _COLUMNS)
+
+
+def table_row(row: Any) -> str:
+    """One iteration, aligned with `table_header()`; rejected steps end in `x`."""
+    text = "".join(f"{getattr(row, field):>{width}{form}}" for _, width, form, field in _COLUMNS)
+    return text if row.step_is_accepted or row.iteration == 0 else text + " x"
+
+
+def g2o_line(row: Any) -> str:
+    """One iteration as g2o's block solver logs it; chi2 = 2 · cost."""
+    return (
+        f"iteration= {row.iteration}  chi2= {2.0 * row.cost:.6f}  "
+        f"time= {row.iteration_time_s:.6g}  cumTime= {row.cumulative_time_s:.6g}  "
+        f"edges= {row.num_residual_blocks}  schur= 1  "
+        f"lambda= {row.lambda_:.6f}  levenbergIter= 1"
+    )
+
+
+class SolveDisplay:
+    """Callback of `raylign.bundle.adjust` that prints each iteration."""
+
+    def __init__(self, console: Console, log: LogStyle, max_num_iterations: int) -> None:
+        self._console = console
+        self._log = log
+        self._max = max_num_iterations
+        self._progress: Progress | None = None
+        self._task = TaskID(0)
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator["SolveDisplay"]:
+        """Show the bar while the solve runs; pipes and files get plain lines."""
+        if self._log is LogStyle.TABLE:
+            self._console.print(table_header(), style="bold", highlight=False, soft_wrap=True)
+        if not self._console.is_terminal:
+            yield self
+            return
+        columns = (
+            TextColumn("[bold]solving"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("iterations"),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=self._console, transient=True) as progress:
+            self._progress = progress
+            self._task = progress.add_task("solve", total=self._max)
+            yield self
+        self._progress = None
+
+    def __call__(self, row: Any) -> None:
+        """Print one iteration; None lets the solve go on."""
+        if self._log is LogStyle.G2O:
+            self._console.print(g2o_line(row), markup=False, highlight=False, soft_wrap=True)
+        else:
+            rejected = not row.step_is_accepted and row.iteration > 0
+            style = "red" if rejected else None
+            self._console.print(table_row(row), style=style, highlight=False, soft_wrap=True)
+        if self._progress is not None:
+            self._progress.update(self._task, completed=row.iteration)
+
+
+@contextlib.contextmanager
+def byte_progress(console: Console, label: str) -> Iterator[Any]:
+    """Yield a function (bytes done, bytes in all or 0) that moves a bar."""
+    columns = (TextColumn(label), BarColumn(), DownloadColumn(), TimeElapsedColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total or None)
+
+
+@contextlib.contextmanager
+def count_progress(console: Console, label: str) -> Iterator[Any]:
+    """Yield a function (items done, items in all) that moves a bar."""
+    columns = (TextColumn(label), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,0 +1,29 @@
+"""`raylign convert`: from one file format to another."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from raylign.cli._choices import Duplicates
+from raylign.cli._files import check_problem_target, read_problem, write_problem
+
+
+def convert(
+    source: Annotated[Path, typer.Argument(help="BAL text (.txt, .gz, .bz2) or .npz.")],
+    target: Annotated[Path, typer.Argument(help="The same, or .ply (points and cameras).")],
+    duplicates: Annotated[
+        Duplicates, typer.Option(help="A point observed twice by one camera.")
+    ] = Duplicates.KEEP,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+) -> None:
+    """Convert a problem; the suffixes name the formats, numbers keep every bit."""
+    check_problem_target(target)
+    problem = read_problem(source, duplicates)
+    write_problem(problem, target)
+    text = (
+        f"wrote {target}: {problem.num_cameras} cameras, {problem.num_points} points, "
+        f"{problem.num_observations} observations"
+    )
+    Console(quiet=quiet).print(text, highlight=False, soft_wrap=True)

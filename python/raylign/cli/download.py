@@ -1,0 +1,54 @@
+"""`raylign download`: fetch a public data set and check it."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from raylign.cli._progress import byte_progress
+from raylign.datasets import bal_entries, fetch, find_bal
+from raylign.errors import OptionsError
+
+
+def download(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="E.g. bal/ladybug-49 or bal/problem-49-7776-pre.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Existing folder for the files.")
+    ] = (Path()),
+    mirror: Annotated[
+        str | None, typer.Option(help="Base URL in place of the scheme and host of the original.")
+    ] = None,
+    list_only: Annotated[bool, typer.Option("--list", help="List what there is and exit.")] = False,
+) -> None:
+    """Download BAL problems as text. A file that is not what the registry says is refused."""
+    console = Console()
+    if list_only:
+        _print_list(console)
+        return
+    if not names:
+        raise OptionsError("nothing to download: give a name, or --list to see them all")
+    for entry in [find_bal(name) for name in names]:  # a wrong name stops before the first byte
+        with byte_progress(console, entry.alias) as progress:
+            path = fetch(entry.name, directory=output, mirror=mirror, progress=progress)
+        console.print(f"{entry.name}: checked, in {path}", highlight=False, soft_wrap=True)
+
+
+def _print_list(console: Console) -> None:
+    table = Table("name", "file", box=None, pad_edge=False, header_style="bold")
+    for heading in ("cameras", "points", "observations"):
+        table.add_column(heading, justify="right")
+    table.add_column("checked by")
+    for entry in bal_entries():
+        table.add_row(
+            f"bal/{entry.alias}",
+            entry.name,
+            str(entry.cameras),
+            str(entry.points),
+            str(entry.observations or ""),
+            "sha256" if entry.sha256 else "counts, parsing",
+        )
+    console.print(table)

@@ -1,0 +1,5 @@
+"""The exception tree. `except raylign.Error` catches all; the three specific ones are `ValueError`s too."""
+
+from raylign._core import Error, FormatError, OptionsError, ShapeError
+
+__all__ = ["Error", "FormatError", "OptionsError", "ShapeError"]

@@ -1,0 +1,102 @@
+"""One look for every figure: sizes, colours, titles."""
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ParamSpec, Protocol, TypeVar
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+BEFORE = "#c8553d"  # red clay
+AFTER = "#1f7a8c"  # teal
+CAMERA = "#101820"
+ACCENT = "#e0a030"  # amber
+MUTED = "#6b7280"
+HEIGHT_COLORMAP = "viridis"
+DPI = 150
+
+RC: Any = {  # typed by matplotlib as a dict of literals
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.0,
+    "axes.edgecolor": "#9ca3af",
+    "axes.linewidth": 0.8,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e5e7eb",
+    "grid.linewidth": 0.7,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.color": "#4b5563",
+    "ytick.color": "#4b5563",
+    "legend.fontsize": 8.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "figure.facecolor": "white",
+    "savefig.dpi": DPI,
+}
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class _Sized(Protocol):
+    @property
+    def num_cameras(self) -> int: ...
+    @property
+    def num_points(self) -> int: ...
+    @property
+    def num_observations(self) -> int: ...
+
+
+def styled(function: Callable[P, R]) -> Callable[P, R]:
+    """Run a plot function under the house style; the caller's settings stay untouched."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with mpl.rc_context(RC):
+            return function(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(width: float, height: float, title: str, subtitle: str = "") -> Figure:
+    """Return an empty titled figure (inches); not known to pyplot, so nothing needs closing."""
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08)  # type: ignore[union-attr, call-arg]
+    text = title if not subtitle else f"{title}  ·  {subtitle}"
+    figure.suptitle(text, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
+    return figure
+
+
+def legend_below(figure: Figure, axes: Axes) -> None:
+    """Put the entries of one axes in a row under the whole figure, where no data can be."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=max(1, len(labels)))
+
+
+@styled
+def save(figure: Figure, path: Path) -> Path:
+    """Write a PNG and return its path."""
+    figure.savefig(path, dpi=DPI, metadata={"Software": "raylign"})
+    return path
+
+
+def count(number: int) -> str:
+    """Thousands apart by a thin space: 31843 → 31 843."""
+    return f"{number:,}".replace(",", "\u2009")
+
+
+def size_text(problem: _Sized) -> str:
+    """Return e.g. `49 cameras, 7 776 points, 31 843 observations`."""
+    return (
+        f"{count(problem.num_cameras)} cameras, {count(problem.num_points)} points, "
+        f"{count(problem.num_observations)} observations"
+    )

@@ -1,0 +1,2 @@
+raylign_add_test(base random_test.cpp)
+raylign_add_test(base portable_math_test.cpp)

@@ -1,0 +1,3 @@
+raylign_add_test(scene bal_problem_test.cpp)
+raylign_add_test(scene bal_statistics_test.cpp)
+raylign_add_test(scene bal_transform_test.cpp)

@@ -1,0 +1,442 @@
+"""raylign.bundle.adjust: what a user relies on, whatever the engine."""
+
+import os
+import signal
+import threading
+
+import numpy as np
+import oracle
+import pytest
+
+import raylign
+from raylign.bundle import (
+    BundleConfig,
+    BundleOptions,
+    ConstantCoordinate,
+    Gauge,
+    LinearSolverOptions,
+    LinearSolverType,
+    LmOptions,
+    ParameterKind,
+    PointParametrization,
+    PoseParametrization,
+    Preconditioner,
+    Termination,
+    adjust,
+)
+from raylign.robust import Loss, LossType
+
+TIGHT = LmOptions(
+    max_num_iterations=200,
+    function_tolerance=1e-14,
+    gradient_tolerance=1e-14,
+    parameter_tolerance=1e-14,
+)
+
+
+@pytest.fixture
+def perturbed(tiny_problem):
+    rng = np.random.default_rng(3)
+    tiny_problem.points[:] += rng.normal(0.0, 0.05, tiny_problem.points.shape)
+    tiny_problem.cameras[:, :6] += rng.normal(0.0, 0.01, (4, 6))
+    return tiny_problem
+
+
+def test_cost_goes_down_and_equals_the_independent_evaluator(perturbed):
+    before = perturbed.copy()
+    result = adjust(perturbed)
+    summary = result.summary
+    assert perturbed == before  # the input is not modified
+    assert summary.termination is Termination.CONVERGENCE
+    assert summary.is_usable()
+    assert summary.final_cost < 0.01 * summary.initial_cost
+    assert summary.initial_cost == pytest.approx(oracle.cost(before), rel=1e-12)
+    assert summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
+
+
+def test_summary_tells_the_whole_story(perturbed):
+    summary = adjust(perturbed).summary
+    rows = summary.iterations
+    assert rows["iteration"].tolist() == list(range(len(rows)))
+    assert rows["cost"][0] == summary.initial_cost
+    assert rows["cost"][-1] == pytest.approx(summary.final_cost, rel=1e-9)
+    assert np.all(np.diff(rows["cost"]) <= 0.0)  # monotonic: no row is worse than the one before
+    np.testing.assert_allclose(
+        -np.diff(rows["cost"]), rows["cost_change"][1:], rtol=1e-6, atol=1e-9
+    )
+    assert np.all(np.diff(rows["cumulative_time_s"]) > 0.0)
+    assert rows["lambda"][0] == pytest.approx(1e-4)
+    assert set(rows["num_residual_blocks"]) == {80}
+    assert summary.num_accepted == np.count_nonzero(rows["step_is_accepted"])
+    assert summary.num_residuals == 160
+    assert summary.num_effective_parameters == 4 * 9 + 20 * 3
+    assert summary.backend == "ceres"
+    assert summary.linear_solver is LinearSolverType.DENSE_SCHUR
+    assert "4 cameras" in summary.linear_solver_reason
+    assert "convergence" in summary.brief_report()
+    assert "dense_schur" in summary.full_report()
+
+
+def test_same_input_same_bits(perturbed):
+    first, second = adjust(perturbed), adjust(perturbed)
+    assert first.problem == second.problem
+    assert first.summary.deterministic
+    assert first.summary.iterations["cost"].tobytes() == second.summary.iterations["cost"].tobytes()
+
+
+SCHUR_SOLVERS = [
+    LinearSolverOptions(type=LinearSolverType.DENSE_SCHUR),
+    LinearSolverOptions(type=LinearSolverType.SPARSE_SCHUR),
+    LinearSolverOptions(type=LinearSolverType.DENSE_NORMAL_CHOLESKY),
+    *(
+        LinearSolverOptions(
+            type=LinearSolverType.ITERATIVE_SCHUR, preconditioner=p, forcing_tolerance=1e-6
+        )
+        for p in Preconditioner
+    ),
+    LinearSolverOptions(
+        type=LinearSolverType.ITERATIVE_SCHUR, explicit_schur=True, forcing_tolerance=1e-6
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    "solver", SCHUR_SOLVERS, ids=lambda s: f"{s.type.name}-{s.preconditioner.name}"
+)
+@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
+def test_every_linear_solver_reaches_the_same_cost(perturbed, solver, point):
+    reference = adjust(perturbed, options=BundleOptions(lm=TIGHT)).summary.final_cost
+    options = BundleOptions(linear_solver=solver, point_parametrization=point, lm=TIGHT)
+    summary = adjust(perturbed, options=options).summary
+    assert summary.final_cost == pytest.approx(reference, rel=1e-9)
+    assert summary.linear_solver is solver.type
+    assert summary.linear_solver_reason == "requested"
+
+
+@pytest.mark.parametrize(
+    "loss", [Loss(type=t, scale=1.5) for t in LossType], ids=lambda x: x.type.name
+)
+def test_robust_cost_is_the_sum_of_rho(perturbed, loss):
+    perturbed.observations[::17] += 40.0  # outliers
+    result = adjust(perturbed, options=BundleOptions(loss=loss))
+    for problem, cost in (
+        (perturbed, result.summary.initial_cost),
+        (result.problem, result.summary.final_cost),
+    ):
+        s = np.sum(oracle.residuals(problem) ** 2, axis=1)
+        rho, _, _ = loss.evaluate(s)
+        assert cost == pytest.approx(0.5 * np.sum(rho), rel=1e-12)
+    assert result.summary.final_cost < result.summary.initial_cost
+
+
+def test_robust_loss_shrugs_off_outliers(perturbed):
+    clean = adjust(perturbed, options=BundleOptions(lm=TIGHT)).problem
+    perturbed.observations[::17] += 60.0
+    inliers = np.ones(80, bool)
+    inliers[::17] = False
+    errors = {}
+    for loss in (Loss(), Loss(type=LossType.CAUCHY, scale=1.0)):
+        refined = adjust(perturbed, options=BundleOptions(loss=loss, lm=TIGHT)).problem
+        errors[loss.type] = np.sqrt(np.mean(oracle.residuals(refined)[inliers] ** 2))
+    best = np.sqrt(np.mean(oracle.residuals(clean)[inliers] ** 2))
+    assert errors[LossType.CAUCHY] < 1.2 * best
+    assert errors[LossType.TRIVIAL] > 3.0 * best
+
+
+# --- constants and gauge -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
+def test_constant_blocks_come_back_bit_by_bit(perturbed, pose, point):
+    config = BundleConfig(
+        constant_cameras=[1], constant_intrinsics=[0, 2], constant_points=[3, 4, 11]
+    )
+    options = BundleOptions(pose_parametrization=pose, point_parametrization=point)
+    result = adjust(perturbed, config=config, options=options)
+    refined = result.problem
+    np.testing.assert_array_equal(refined.cameras[1, :6], perturbed.cameras[1, :6])
+    np.testing.assert_array_equal(refined.cameras[[0, 2], 6:], perturbed.cameras[[0, 2], 6:])
+    np.testing.assert_array_equal(refined.points[[3, 4, 11]], perturbed.points[[3, 4, 11]])
+    moved_points = np.setdiff1d(np.arange(20), [3, 4, 11])
+    assert np.all(np.any(refined.points[moved_points] != perturbed.points[moved_points], axis=1))
+    assert np.all(refined.cameras[[0, 2, 3], :3] != perturbed.cameras[[0, 2, 3], :3])
+    assert np.all(refined.cameras[[1, 3], 6:] != perturbed.cameras[[1, 3], 6:])
+    assert result.summary.final_cost == pytest.approx(oracle.cost(refined), rel=1e-12)
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+def test_constant_coordinates_come_back_bit_by_bit(perturbed, pose):
+    held = [
+        ConstantCoordinate(kind=ParameterKind.POSE, index=0, coordinate="rotation"),
+        ConstantCoordinate(kind=ParameterKind.POSE, index=1, coordinate="tx"),
+        ConstantCoordinate(kind=ParameterKind.POSE, index=1, coordinate="tz"),
+        ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate="k2"),
+        ConstantCoordinate(kind=ParameterKind.POINT, index=5, coordinate="y"),
+    ]
+    options = BundleOptions(pose_parametrization=pose)
+    refined = adjust(
+        perturbed, config=BundleConfig(constant_coordinates=held), options=options
+    ).problem
+    changed_cameras = refined.cameras != perturbed.cameras
+    changed_points = refined.points != perturbed.points
+    expected_cameras = np.ones((4, 9), bool)
+    expected_cameras[0, :3] = False
+    expected_cameras[1, [3, 5]] = False
+    expected_cameras[:, 8] = False
+    expected_points = np.ones((20, 3), bool)
+    expected_points[5, 1] = False
+    np.testing.assert_array_equal(changed_cameras, expected_cameras)
+    np.testing.assert_array_equal(changed_points, expected_points)
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+def test_gauge_choices_reach_the_same_cost(perturbed, pose):
+    costs, freedoms = {}, {}
+    for gauge in Gauge:
+        options = BundleOptions(pose_parametrization=pose, lm=TIGHT)
+        summary = adjust(perturbed, config=BundleConfig(gauge=gauge), options=options).summary
+        costs[gauge] = summary.final_cost
+        freedoms[gauge] = summary.num_effective_parameters
+    assert costs[Gauge.FIRST_CAMERA] == pytest.approx(costs[Gauge.FREE], rel=1e-9)
+    assert costs[Gauge.TWO_CAMERAS] == pytest.approx(costs[Gauge.FREE], rel=1e-9)
+    assert freedoms[Gauge.FREE] - freedoms[Gauge.FIRST_CAMERA] == 6
+    assert freedoms[Gauge.FREE] - freedoms[Gauge.TWO_CAMERAS] == 7
+
+
+def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(perturbed):
+    refined = adjust(perturbed, config=BundleConfig(gauge=Gauge.TWO_CAMERAS)).problem
+    centers = perturbed.camera_centers()
+    farthest = int(np.argmax(np.linalg.norm(centers - centers[0], axis=1)))
+    R = oracle.rotation_matrices(perturbed.cameras[:, :3])[farthest]
+    coordinate = int(np.argmax(np.abs(R @ (centers[farthest] - centers[0]))))
+    held = refined.cameras[:, :6] == perturbed.cameras[:, :6]
+    expected = np.zeros((4, 6), bool)
+    expected[0] = True
+    expected[farthest, 3 + coordinate] = True
+    np.testing.assert_array_equal(held, expected)
+
+
+def test_everything_constant_changes_nothing(perturbed):
+    config = BundleConfig(
+        constant_cameras=range(4), constant_intrinsics=range(4), constant_points=range(20)
+    )
+    result = adjust(perturbed, config=config)
+    assert result.problem == perturbed
+    assert result.summary.final_cost == result.summary.initial_cost
+    assert result.summary.termination is Termination.CONVERGENCE
+    assert len(result.summary.iterations) == 1
+
+
+@pytest.mark.parametrize(
+    ("config", "field"),
+    [
+        (BundleConfig(constant_cameras=[4]), "constant_cameras"),
+        (BundleConfig(constant_points=[20]), "constant_points"),
+        (BundleConfig(constant_intrinsics=[99]), "constant_intrinsics"),
+        (
+            BundleConfig(constant_coordinates=[ConstantCoordinate(index=7, coordinate="f")]),
+            "constant_coordinates",
+        ),
+    ],
+)
+def test_an_index_outside_the_problem_is_an_options_error(perturbed, config, field):
+    with pytest.raises(raylign.OptionsError, match=field):
+        adjust(perturbed, config=config)
+
+
+def test_contradicting_options_are_refused(perturbed):
+    with pytest.raises(raylign.OptionsError, match="explicit_schur"):
+        LinearSolverOptions(
+            type=LinearSolverType.ITERATIVE_SCHUR,
+            preconditioner=Preconditioner.JACOBI,
+            explicit_schur=True,
+        )
+    with pytest.raises(raylign.OptionsError, match="must be one of f, k1, k2"):
+        ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate="fx")
+    one_coordinate = ConstantCoordinate(kind=ParameterKind.POINT, index=0, coordinate="z")
+    with pytest.raises(raylign.OptionsError, match="XYZ"):
+        adjust(
+            perturbed,
+            config=BundleConfig(constant_coordinates=[one_coordinate]),
+            options=BundleOptions(point_parametrization=PointParametrization.HOMOGENEOUS),
+        )
+
+
+def test_dense_normal_equations_refuse_to_fill_the_memory():
+    problem = raylign.synthetic.bal(num_cameras=50, num_points=8000, seed=1).problem
+    options = BundleOptions(
+        linear_solver=LinearSolverOptions(type=LinearSolverType.DENSE_NORMAL_CHOLESKY)
+    )
+    with pytest.raises(raylign.OptionsError, match="GB"):
+        adjust(problem, options=options)
+
+
+# --- callback, stop, limits ----------------------------------------------------------------------
+
+
+def test_callback_sees_every_iteration_in_order(perturbed):
+    seen = []
+    summary = adjust(perturbed, callback=lambda it: seen.append((it.iteration, it.cost))).summary
+    assert seen == list(
+        zip(summary.iterations["iteration"], summary.iterations["cost"], strict=True)
+    )
+
+
+def test_callback_returning_false_stops_with_the_best_state(perturbed):
+    result = adjust(perturbed, callback=lambda it: it.iteration < 2)
+    assert result.summary.termination is Termination.USER_STOPPED
+    assert len(result.summary.iterations) == 3
+    assert result.summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
+    assert result.summary.final_cost < result.summary.initial_cost
+
+
+@pytest.mark.parametrize("answer", [None, True, 0, 1, "stop"])
+def test_only_false_stops(perturbed, answer):
+    summary = adjust(perturbed, callback=lambda it: answer).summary
+    assert summary.termination is Termination.CONVERGENCE
+
+
+def test_exception_in_the_callback_comes_out(perturbed):
+    class Mine(Exception):
+        pass
+
+    def callback(iteration):
+        if iteration.iteration == 1:
+            raise Mine("from the callback")
+
+    before = perturbed.copy()
+    with pytest.raises(Mine, match="from the callback"):
+        adjust(perturbed, callback=callback)
+    assert perturbed == before
+
+
+def test_ctrl_c_stops_with_the_best_state(perturbed):
+    def callback(iteration):
+        if iteration.iteration == 1:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    result = adjust(perturbed, callback=callback)
+    assert result.summary.termination is Termination.USER_STOPPED
+    assert result.summary.final_cost < result.summary.initial_cost
+    assert result.summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
+
+
+def test_keyboard_interrupt_raised_by_the_callback_is_a_stop(perturbed):
+    def callback(iteration):
+        raise KeyboardInterrupt
+
+    assert adjust(perturbed, callback=callback).summary.termination is Termination.USER_STOPPED
+
+
+def test_other_threads_run_during_a_solve(perturbed):
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks.append(1)
+            stop.wait(1e-4)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    seen = []
+    try:
+        for _ in range(20):
+            before = len(ticks)
+            adjust(perturbed)
+            seen.append(len(ticks) - before)
+    finally:
+        stop.set()
+        thread.join()
+    assert sum(seen) > 0
+
+
+def test_zero_iterations_only_evaluate(perturbed):
+    result = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_num_iterations=0)))
+    assert result.problem == perturbed
+    assert result.summary.termination is Termination.MAX_ITERATIONS
+    assert result.summary.final_cost == result.summary.initial_cost
+    assert len(result.summary.iterations) == 1
+
+
+def test_iteration_and_time_limits_are_told_apart(perturbed):
+    few = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_num_iterations=1))).summary
+    assert few.termination is Termination.MAX_ITERATIONS
+    late = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_solver_time_s=1e-9))).summary
+    assert late.termination is Termination.TIME_LIMIT
+    assert late.final_cost <= late.initial_cost
+
+
+# --- awkward problems ----------------------------------------------------------------------------
+
+
+def subproblem(problem, keep):
+    """The same cameras and points with only some observations."""
+    return raylign.BalProblem(
+        problem.cameras.copy(),
+        problem.points.copy(),
+        problem.camera_index[keep].copy(),
+        problem.point_index[keep].copy(),
+        problem.observations[keep].copy(),
+    )
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda p: np.zeros(80, bool),
+        lambda p: np.arange(80) == 0,
+        lambda p: p.camera_index == 0,
+        lambda p: p.point_index == 0,
+        lambda p: p.camera_index < 2,
+    ],
+    ids=["empty", "one observation", "one camera", "one point", "two cameras"],
+)
+@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
+def test_degenerate_problems_give_a_finite_answer(perturbed, make, point):
+    keep = make(perturbed)
+    problem = subproblem(perturbed, keep)
+    result = adjust(problem, options=BundleOptions(point_parametrization=point))
+    assert result.summary.is_usable()
+    assert result.summary.final_cost <= result.summary.initial_cost
+    assert np.all(np.isfinite(result.problem.cameras))
+    assert np.all(np.isfinite(result.problem.points))
+    unseen_points = np.setdiff1d(np.arange(20), problem.point_index)
+    np.testing.assert_array_equal(
+        result.problem.points[unseen_points], problem.points[unseen_points]
+    )
+
+
+def test_duplicate_observations_count_twice(tiny_problem):
+    twice = subproblem(tiny_problem, np.r_[np.arange(80), 7])
+    extra = 0.5 * np.sum(oracle.residuals(tiny_problem)[7] ** 2)
+    summary = adjust(twice).summary
+    assert summary.initial_cost == pytest.approx(oracle.cost(tiny_problem) + extra, rel=1e-12)
+    assert summary.is_usable()
+
+
+@pytest.mark.parametrize("where", ["points", "cameras", "observations"])
+def test_nan_at_the_start_is_a_failure_that_names_the_observation(tiny_problem, where):
+    getattr(tiny_problem, where)[2, 0] = np.nan
+    before = tiny_problem.copy()
+    result = adjust(tiny_problem)
+    assert result.summary.termination is Termination.FAILURE
+    assert not result.summary.is_usable()
+    first = np.flatnonzero(~np.isfinite(oracle.residuals(tiny_problem)).all(axis=1))[0]
+    assert f"observation {first} " in result.summary.message
+    assert result.problem == before
+
+
+def test_point_in_the_camera_plane_is_a_failure(tiny_problem):
+    centers = tiny_problem.camera_centers()
+    tiny_problem.points[4] = centers[0]
+    summary = adjust(tiny_problem).summary
+    assert summary.termination is Termination.FAILURE
+    assert "point 4" in summary.message
+
+
+def test_views_with_a_broken_index_are_refused(tiny_problem):
+    tiny_problem.camera_index[3] = 99
+    with pytest.raises(raylign.ShapeError, match="camera_index"):
+        adjust(tiny_problem)
