@@ -1,0 +1,178 @@
+"""End-to-end benchmarks: builds the C++ programs, runs everything, prints tables, writes JSON.
+
+    make bench                         # or: .venv/bin/python benchmarks/run.py [--repeats 5] [--only NAME]
+
+Ratios are taken pair by pair within one process run, because a shared machine drifts; the medians are
+what docs/benchmarks.md quotes.
+"""
+
+import argparse
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+from import_time import measure as measure_import
+from rich.console import Console
+from rich.table import Table
+
+import raylign
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILD = ROOT / "build" / "bench"
+RESULTS = ROOT / "benchmarks" / "results"
+SHARED = Path(os.environ.get("RAYLIGN_DATA", ROOT.parent / "shared" / "data"))
+
+
+def build_programs() -> Path:
+    """Configure and build the C++ benchmark programs; return their folder."""
+    flags = ["-DRAYLIGN_BUILD_BENCHMARKS=ON", "-DRAYLIGN_BUILD_TESTS=OFF", "-DCMAKE_BUILD_TYPE=Release"]
+    subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", *flags], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", BUILD, "--target", "bal_ceres_benchmark"], check=True, stdout=subprocess.DEVNULL)
+    return BUILD / "benchmarks" / "micro"
+
+
+def machine_facts() -> dict:
+    cpu = next(
+        (line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line),
+        platform.processor(),
+    )
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    return {
+        "cpu": cpu,
+        "num_cpus": os.cpu_count(),
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "raylign": raylign.__version__,
+        "commit": commit.stdout.strip() or "unknown",
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def bal_files() -> list[Path]:
+    """The real problems where they are at hand, the shipped ones always."""
+    real = [SHARED / "bal" / f"problem-{name}-pre.txt" for name in ("49-7776", "21-11315")]
+    return [*(path for path in real if path.is_file()), *sorted((ROOT / "data" / "bal").glob("*[0-9].txt.gz"))]
+
+
+def run_bal_program(folder: Path, path: Path, *flags: str) -> list[dict]:
+    output = subprocess.run([folder / "bal_ceres_benchmark", path, *flags], check=True, capture_output=True, text=True)
+    return [json.loads(line) for line in output.stdout.splitlines()]
+
+
+def median_ratio(rows: list[dict], pose: str, field: str) -> float:
+    """Median over the repeats of autodiff / raylign."""
+    baseline = [row[field] for row in rows if row["system"] == "ceres_autodiff"]
+    ours = [row[field] for row in rows if row["system"] == "raylign_ceres" and row["pose"] == pose]
+    return statistics.median(a / b for a, b in zip(baseline, ours, strict=True))
+
+
+def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
+    """Analytic against automatic differentiation through the same Ceres, one thread."""
+    table = Table(title="Jacobian evaluation, dense_schur, 1 thread (median ns per observation; ratio autodiff / raylign)")
+    for column in ("problem", "Ceres autodiff", "raylign se3", "ratio", "raylign angle_axis", "ratio"):
+        table.add_column(column, justify="left" if column == "problem" else "right")
+    results = []
+    for path in bal_files():
+        rows = run_bal_program(folder, path, "--repeats", str(repeats))
+        field = "jacobian_ns_per_observation"
+
+        def median(system: str, pose: str, rows: list[dict] = rows, field: str = field) -> float:
+            return statistics.median(r[field] for r in rows if (r["system"], r["pose"]) == (system, pose))
+
+        ratios = {pose: median_ratio(rows, pose, field) for pose in ("se3", "angle_axis")}
+        table.add_row(
+            path.name,
+            f"{median('ceres_autodiff', 'angle_axis'):.0f}",
+            f"{median('raylign_ceres', 'se3'):.0f}",
+            f"{ratios['se3']:.2f}",
+            f"{median('raylign_ceres', 'angle_axis'):.0f}",
+            f"{ratios['angle_axis']:.2f}",
+        )
+        results.append({"problem": path.name, "ratios": ratios, "rows": rows})
+    console.print(table)
+    return results
+
+
+def bench_final_cost(folder: Path, console: Console) -> list[dict]:
+    """200 iterations, tolerances 1e-12 / 1e-14 / 1e-14: where both formulations end."""
+    table = Table(title="Final cost ½Σr², dense_schur, 1 thread, 200 iterations, tolerances 1e-12/1e-14/1e-14")
+    for column in ("problem", "start", "Ceres autodiff", "raylign se3", "relative difference"):
+        table.add_column(column, justify="left" if column == "problem" else "right")
+    results = []
+    for path in bal_files():
+        rows = run_bal_program(folder, path, "--tight", "--repeats", "1")
+        autodiff = next(row for row in rows if row["system"] == "ceres_autodiff")
+        ours = next(row for row in rows if row["pose"] == "se3")
+        difference = ours["final_cost"] / autodiff["final_cost"] - 1.0
+        table.add_row(
+            path.name,
+            f"{autodiff['initial_cost']:.6e}",
+            f"{autodiff['final_cost']:.6f}",
+            f"{ours['final_cost']:.6f}",
+            f"{difference:+.1e}",
+        )
+        results.append({"problem": path.name, "relative_difference": difference, "rows": rows})
+    console.print(table)
+    return results
+
+
+def bench_reading(repeats: int, console: Console) -> list[dict]:
+    """Text of the BAL format to arrays, and back."""
+    table = Table(title="BAL text (median MB/s of text)")
+    for column in ("problem", "MB", "read", "write"):
+        table.add_column(column, justify="left" if column == "problem" else "right")
+    results = []
+    for source in bal_files():
+        problem = raylign.io.read_bal(source)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "problem.txt"
+            seconds: dict[str, list[float]] = {"read": [], "write": []}
+            for _ in range(repeats):
+                start = time.perf_counter()
+                raylign.io.write_bal(problem, path)
+                seconds["write"].append(time.perf_counter() - start)
+                start = time.perf_counter()
+                raylign.io.read_bal(path)
+                seconds["read"].append(time.perf_counter() - start)
+            megabytes = path.stat().st_size / 1e6
+        speed = {name: megabytes / statistics.median(values) for name, values in seconds.items()}
+        table.add_row(source.name, f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}")
+        results.append({"problem": source.name, "megabytes": megabytes, "megabytes_per_s": speed})
+    console.print(table)
+    return results
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--only", choices=["jacobians", "final_cost", "reading", "import"])
+    arguments = parser.parse_args()
+    console = Console()
+    facts = machine_facts()
+    console.print(f"{facts['cpu']}, {facts['num_cpus']} CPUs, raylign {facts['raylign']} at {facts['commit']}")
+    folder = build_programs()
+    benchmarks = {
+        "jacobians": lambda: bench_jacobians(folder, arguments.repeats, console),
+        "final_cost": lambda: bench_final_cost(folder, console),
+        "reading": lambda: bench_reading(arguments.repeats, console),
+        "import": measure_import,
+    }
+    chosen = [arguments.only] if arguments.only else list(benchmarks)
+    results = {name: benchmarks[name]() for name in chosen}
+    RESULTS.mkdir(exist_ok=True)
+    target = RESULTS / f"bal_ceres_{facts['date'][:10]}.json"
+    target.write_text(json.dumps({"machine": facts, "results": results}, indent=1) + "\n")
+    console.print(f"written: {target.relative_to(ROOT)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
