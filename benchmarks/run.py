@@ -19,11 +19,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from import_time import measure as measure_import
 from rich.console import Console
 from rich.table import Table
 
 import raylign
+from import_time import measure as measure_import
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build" / "bench"
@@ -33,18 +33,36 @@ SHARED = Path(os.environ.get("RAYLIGN_DATA", ROOT.parent / "shared" / "data"))
 
 def build_programs() -> Path:
     """Configure and build the C++ benchmark programs; return their folder."""
-    flags = ["-DRAYLIGN_BUILD_BENCHMARKS=ON", "-DRAYLIGN_BUILD_TESTS=OFF", "-DCMAKE_BUILD_TYPE=Release"]
-    subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", *flags], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", BUILD, "--target", "bal_ceres_benchmark"], check=True, stdout=subprocess.DEVNULL)
+    flags = [
+        "-DRAYLIGN_BUILD_BENCHMARKS=ON",
+        "-DRAYLIGN_BUILD_TESTS=OFF",
+        "-DCMAKE_BUILD_TYPE=Release",
+    ]
+    subprocess.run(
+        ["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", *flags],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    subprocess.run(
+        ["cmake", "--build", BUILD, "--target", "bal_ceres_benchmark"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     return BUILD / "benchmarks" / "micro"
 
 
 def machine_facts() -> dict:
     cpu = next(
-        (line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line),
+        (
+            line.split(":")[1].strip()
+            for line in Path("/proc/cpuinfo").read_text().splitlines()
+            if "model name" in line
+        ),
         platform.processor(),
     )
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True
+    )
     return {
         "cpu": cpu,
         "num_cpus": os.cpu_count(),
@@ -59,11 +77,16 @@ def machine_facts() -> dict:
 def bal_files() -> list[Path]:
     """The real problems where they are at hand, the shipped ones always."""
     real = [SHARED / "bal" / f"problem-{name}-pre.txt" for name in ("49-7776", "21-11315")]
-    return [*(path for path in real if path.is_file()), *sorted((ROOT / "data" / "bal").glob("*[0-9].txt.gz"))]
+    return [
+        *(path for path in real if path.is_file()),
+        *sorted((ROOT / "data" / "bal").glob("*[0-9].txt.gz")),
+    ]
 
 
 def run_bal_program(folder: Path, path: Path, *flags: str) -> list[dict]:
-    output = subprocess.run([folder / "bal_ceres_benchmark", path, *flags], check=True, capture_output=True, text=True)
+    output = subprocess.run(
+        [folder / "bal_ceres_benchmark", path, *flags], check=True, capture_output=True, text=True
+    )
     return [json.loads(line) for line in output.stdout.splitlines()]
 
 
@@ -76,8 +99,17 @@ def median_ratio(rows: list[dict], pose: str, field: str) -> float:
 
 def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
     """Analytic against automatic differentiation through the same Ceres, one thread."""
-    table = Table(title="Jacobian evaluation, dense_schur, 1 thread (median ns per observation; ratio autodiff / raylign)")
-    for column in ("problem", "Ceres autodiff", "raylign se3", "ratio", "raylign angle_axis", "ratio"):
+    table = Table(
+        title="Jacobian evaluation, dense_schur, 1 thread (median ns per observation; ratio autodiff / raylign)"
+    )
+    for column in (
+        "problem",
+        "Ceres autodiff",
+        "raylign se3",
+        "ratio",
+        "raylign angle_axis",
+        "ratio",
+    ):
         table.add_column(column, justify="left" if column == "problem" else "right")
     results = []
     for path in bal_files():
@@ -85,7 +117,9 @@ def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
         field = "jacobian_ns_per_observation"
 
         def median(system: str, pose: str, rows: list[dict] = rows, field: str = field) -> float:
-            return statistics.median(r[field] for r in rows if (r["system"], r["pose"]) == (system, pose))
+            return statistics.median(
+                r[field] for r in rows if (r["system"], r["pose"]) == (system, pose)
+            )
 
         ratios = {pose: median_ratio(rows, pose, field) for pose in ("se3", "angle_axis")}
         table.add_row(
@@ -103,7 +137,9 @@ def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
 
 def bench_final_cost(folder: Path, console: Console) -> list[dict]:
     """200 iterations, tolerances 1e-12 / 1e-14 / 1e-14: where both formulations end."""
-    table = Table(title="Final cost ½Σr², dense_schur, 1 thread, 200 iterations, tolerances 1e-12/1e-14/1e-14")
+    table = Table(
+        title="Final cost ½Σr², dense_schur, 1 thread, 200 iterations, tolerances 1e-12/1e-14/1e-14"
+    )
     for column in ("problem", "start", "Ceres autodiff", "raylign se3", "relative difference"):
         table.add_column(column, justify="left" if column == "problem" else "right")
     results = []
@@ -144,20 +180,26 @@ def bench_reading(repeats: int, console: Console) -> list[dict]:
                 seconds["read"].append(time.perf_counter() - start)
             megabytes = path.stat().st_size / 1e6
         speed = {name: megabytes / statistics.median(values) for name, values in seconds.items()}
-        table.add_row(source.name, f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}")
+        table.add_row(
+            source.name, f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}"
+        )
         results.append({"problem": source.name, "megabytes": megabytes, "megabytes_per_s": speed})
     console.print(table)
     return results
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--only", choices=["jacobians", "final_cost", "reading", "import"])
     arguments = parser.parse_args()
     console = Console()
     facts = machine_facts()
-    console.print(f"{facts['cpu']}, {facts['num_cpus']} CPUs, raylign {facts['raylign']} at {facts['commit']}")
+    console.print(
+        f"{facts['cpu']}, {facts['num_cpus']} CPUs, raylign {facts['raylign']} at {facts['commit']}"
+    )
     folder = build_programs()
     benchmarks = {
         "jacobians": lambda: bench_jacobians(folder, arguments.repeats, console),

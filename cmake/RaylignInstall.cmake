@@ -18,5 +18,5 @@ install(FILES "${PROJECT_BINARY_DIR}/raylign-config.cmake"
 # The wheel (component python) carries the data that `raylign demo` and `raylign download` read.
 if(RAYLIGN_BUILD_PYTHON)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION raylign/_data COMPONENT python
-          FILES_MATCHING PATTERN "registry.toml" PATTERN "bal/*")
+          FILES_MATCHING PATTERN "registry.toml" PATTERN "*.txt.gz")
 endif()

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The raylign authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Ceres' own autodiff formulation of a BAL problem beside raylign's analytic one through the same Ceres,
-// solver and options, in turns and in one process. Prints one JSON line per solve.
+// Ceres' own autodiff formulation of a BAL problem beside raylign's analytic one through the same
+// Ceres, solver and options, in turns and in one process. Prints one JSON line per solve.
 //
-//   bal_ceres_benchmark FILE [--repeats 3] [--tight] [--solver dense_schur|sparse_schur|iterative_schur]
+//   bal_ceres_benchmark FILE [--repeats 3] [--tight] [--solver
+//   dense_schur|sparse_schur|iterative_schur]
 #include <ceres/ceres.h>
 
 #include <cstdio>
@@ -39,8 +40,9 @@ Arguments parse(int argc, char** argv) {
       arguments.repeats = std::atoi(argv[++i]);
     } else if (word == "--solver" && i + 1 < argc) {
       const std::string name = argv[++i];
-      for (const auto type : {raylign::LinearSolverType::DENSE_SCHUR, raylign::LinearSolverType::SPARSE_SCHUR,
-                              raylign::LinearSolverType::ITERATIVE_SCHUR}) {
+      for (const auto type :
+           {raylign::LinearSolverType::DENSE_SCHUR, raylign::LinearSolverType::SPARSE_SCHUR,
+            raylign::LinearSolverType::ITERATIVE_SCHUR}) {
         if (raylign::to_string(type) == name) arguments.solver = type;
       }
     } else {
@@ -50,16 +52,26 @@ Arguments parse(int argc, char** argv) {
   return arguments;
 }
 
-void print_row(const char* system, const char* pose, double cost_before, double cost_after,
-               int evaluations, double jacobian_s, double residual_s, double linear_s, double total_s,
-               int iterations, std::int64_t observations) {
+void print_row(const char* system,
+               const char* pose,
+               double cost_before,
+               double cost_after,
+               int evaluations,
+               double jacobian_s,
+               double residual_s,
+               double linear_s,
+               double total_s,
+               int iterations,
+               std::int64_t observations) {
   std::printf(
       "{\"system\": \"%s\", \"pose\": \"%s\", \"initial_cost\": %.17g, \"final_cost\": %.17g, "
       "\"iterations\": %d, \"jacobian_evaluations\": %d, \"jacobian_time_s\": %.6f, "
-      "\"jacobian_ns_per_observation\": %.2f, \"residual_time_s\": %.6f, \"linear_solver_time_s\": %.6f, "
+      "\"jacobian_ns_per_observation\": %.2f, \"residual_time_s\": %.6f, \"linear_solver_time_s\": "
+      "%.6f, "
       "\"total_time_s\": %.6f}\n",
       system, pose, cost_before, cost_after, iterations, evaluations, jacobian_s,
-      1e9 * jacobian_s / evaluations / static_cast<double>(observations), residual_s, linear_s, total_s);
+      1e9 * jacobian_s / evaluations / static_cast<double>(observations), residual_s, linear_s,
+      total_s);
   std::fflush(stdout);
 }
 
@@ -80,10 +92,11 @@ void run_autodiff(BalProblem problem, const BundleOptions& options) {
   const raylign::ceres_backend::ScopedSingleThreadedBlas blas;
   raylign::test::AutodiffBal autodiff(problem);
   const ceres::Solver::Summary s = autodiff.solve(raylign::ceres_backend::to_ceres(options));
-  print_row("ceres_autodiff", "angle_axis", s.initial_cost, s.final_cost, s.num_jacobian_evaluations,
-            s.jacobian_evaluation_time_in_seconds, s.residual_evaluation_time_in_seconds,
-            s.linear_solver_time_in_seconds, s.total_time_in_seconds,
-            static_cast<int>(s.iterations.size()) - 1, problem.num_observations());
+  print_row("ceres_autodiff", "angle_axis", s.initial_cost, s.final_cost,
+            s.num_jacobian_evaluations, s.jacobian_evaluation_time_in_seconds,
+            s.residual_evaluation_time_in_seconds, s.linear_solver_time_in_seconds,
+            s.total_time_in_seconds, static_cast<int>(s.iterations.size()) - 1,
+            problem.num_observations());
 }
 
 void run_raylign(BalProblem problem, BundleOptions options, PoseParametrization pose) {

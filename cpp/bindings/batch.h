@@ -61,7 +61,8 @@ inline bool has_trailing(const py::array& array, const Shape& item) {
 }  // namespace detail
 
 /// float64, C order, trailing dimensions as `item`. Lists, other real dtypes and memory orders are
-/// converted (exact but for 64-bit integers and long double); everything else is a ShapeError naming the argument.
+/// converted (exact but for 64-bit integers and long double); everything else is a ShapeError
+/// naming the argument.
 inline F64Array batch_from_numpy(const py::object& object,
                                  const Shape& item,
                                  const std::string& name) {

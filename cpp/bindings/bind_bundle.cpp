@@ -13,8 +13,8 @@ namespace {
 
 namespace py = pybind11;
 
-// Asks Python whether to go on. Ctrl-C means "stop and keep the best state", here and inside the user's
-// callback; any other exception travels through the solver to the caller.
+// Asks Python whether to go on. Ctrl-C means "stop and keep the best state", here and inside the
+// user's callback; any other exception travels through the solver to the caller.
 CallbackAction ask_python(const py::object& callback, const IterationSummary& summary) {
   const py::gil_scoped_acquire gil;
   try {
@@ -28,11 +28,14 @@ CallbackAction ask_python(const py::object& callback, const IterationSummary& su
   }
 }
 
-Summary adjust_in_place(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+Summary adjust_in_place(BalProblem& problem,
+                        const BundleConfig& config,
+                        const BundleOptions& options,
                         const py::object& callback) {
   const py::gil_scoped_release release;
-  return adjust(problem, config, options,
-                [&callback](const IterationSummary& summary) { return ask_python(callback, summary); });
+  return adjust(problem, config, options, [&callback](const IterationSummary& summary) {
+    return ask_python(callback, summary);
+  });
 }
 
 template <typename T>
@@ -46,12 +49,14 @@ void bind_bundle(py::module_& m) {
   py::class_<Linearization>(m, "Linearization", "r(x ⊞ δ) ≈ r + J δ, robust weights applied.")
       .def_readonly("cost", &Linearization::cost, "½ Σ ρ(‖r‖²).")
       .def_property_readonly(
-          "residuals", [](const Linearization& l) { return to_numpy(l.residuals); }, "(2N,) weighted.")
+          "residuals", [](const Linearization& l) { return to_numpy(l.residuals); },
+          "(2N,) weighted.")
       .def_property_readonly(
           "gradient", [](const Linearization& l) { return to_numpy(l.gradient); }, "(n,) Jᵀr.")
       .def_readonly("num_columns", &Linearization::num_columns, "n.")
       .def_property_readonly(
-          "row_starts", [](const Linearization& l) { return to_numpy(l.row_starts); }, "(2N + 1,) CRS.")
+          "row_starts", [](const Linearization& l) { return to_numpy(l.row_starts); },
+          "(2N + 1,) CRS.")
       .def_property_readonly(
           "columns", [](const Linearization& l) { return to_numpy(l.columns); }, "CRS.")
       .def_property_readonly(

@@ -47,7 +47,8 @@ ImageView view_of_image(const py::object& object) {
               static_cast<int>(array.shape(1)),
               static_cast<int>(array.shape(0)),
               channels,
-              static_cast<std::size_t>(array.strides(0))};
+              static_cast<std::size_t>(array.shape(0) == 1 ? array.shape(1) * array.strides(1)
+                                                           : array.strides(0))};
     }
   }
   throw ShapeError(

@@ -49,7 +49,8 @@ void bind_bundle_enums(py::module_& m) {
       .value("QUATERNION", PoseParametrization::QUATERNION)
       .value("ANGLE_AXIS", PoseParametrization::ANGLE_AXIS)
       .finalize();
-  py::native_enum<PointParametrization>(m, "PointParametrization", "enum.Enum", "How a point moves.")
+  py::native_enum<PointParametrization>(m, "PointParametrization", "enum.Enum",
+                                        "How a point moves.")
       .value("XYZ", PointParametrization::XYZ)
       .value("HOMOGENEOUS", PointParametrization::HOMOGENEOUS)
       .value("INVERSE_DEPTH", PointParametrization::INVERSE_DEPTH)
@@ -68,9 +69,11 @@ void bind_bundle_enums(py::module_& m) {
 
 void bind_lm_options(py::module_& m) {
   using O = LmOptions;
-  OptionsBinder<O>(m, "LmOptions", "Options of the Levenberg-Marquardt loop, the same for every engine.",
+  OptionsBinder<O>(m, "LmOptions",
+                   "Options of the Levenberg-Marquardt loop, the same for every engine.",
                    [](const O& o) { o.validate(); })
-      .field("max_num_iterations", &O::max_num_iterations, "Outer iterations, >= 0; 0 only evaluates.")
+      .field("max_num_iterations", &O::max_num_iterations,
+             "Outer iterations, >= 0; 0 only evaluates.")
       .field("max_solver_time_s", &O::max_solver_time_s, "Wall time in s, > 0.")
       .field("function_tolerance", &O::function_tolerance, "Stop when |Δcost| <= tolerance · cost.")
       .field("gradient_tolerance", &O::gradient_tolerance, "Stop when max |gradient| <= tolerance.")
@@ -95,7 +98,8 @@ void bind_linear_solver_options(py::module_& m) {
       .field("type", &O::type, "LinearSolverType.")
       .field("preconditioner", &O::preconditioner, "Preconditioner; ITERATIVE_SCHUR only.")
       .field("explicit_schur", &O::explicit_schur, "Form S instead of applying it.")
-      .field("max_num_iterations", &O::max_num_iterations, "Conjugate-gradient iterations per step.")
+      .field("max_num_iterations", &O::max_num_iterations,
+             "Conjugate-gradient iterations per step.")
       .field("forcing_tolerance", &O::forcing_tolerance, "η of the inexact step, in (0, 1).")
       .finish();
 }
@@ -115,9 +119,10 @@ void bind_bundle_options(py::module_& m) {
 
 void bind_bundle_config(py::module_& m) {
   using C = ConstantCoordinate;
-  OptionsBinder<C>(m, "ConstantCoordinate",
-                   "One scalar held constant: POSE tx ty tz rotation, INTRINSICS f k1 k2, POINT x y z.",
-                   [](const C& c) { coordinate_offset(c.kind, c.coordinate); })
+  OptionsBinder<C>(
+      m, "ConstantCoordinate",
+      "One scalar held constant: POSE tx ty tz rotation, INTRINSICS f k1 k2, POINT x y z.",
+      [](const C& c) { coordinate_offset(c.kind, c.coordinate); })
       .field("kind", &C::kind, "ParameterKind.")
       .field("index", &C::index, "Camera or point; -1 = all.")
       .field("coordinate", &C::coordinate, "Name, one of those of its kind.")
@@ -137,11 +142,13 @@ void bind_bundle_config(py::module_& m) {
 void bind_iteration_summary(py::module_& m) {
   using I = IterationSummary;
   PYBIND11_NUMPY_DTYPE(I, iteration, linear_solver_iterations, num_residual_blocks, step_is_valid,
-                       step_is_accepted, cost, cost_change, gain_ratio, gradient_max_norm, step_norm,
-                       lambda, linear_solver_time_s, iteration_time_s, cumulative_time_s);
+                       step_is_accepted, cost, cost_change, gain_ratio, gradient_max_norm,
+                       step_norm, lambda, linear_solver_time_s, iteration_time_s,
+                       cumulative_time_s);
   OptionsBinder<I>(m, "IterationSummary", "One iteration; row 0 is the start. Times in s.", nullptr)
       .field("iteration", &I::iteration, "0, 1, 2, …")
-      .field("linear_solver_iterations", &I::linear_solver_iterations, "CG iterations; 1 if direct.")
+      .field("linear_solver_iterations", &I::linear_solver_iterations,
+             "CG iterations; 1 if direct.")
       .field("num_residual_blocks", &I::num_residual_blocks, "Observations in the cost.")
       .field("step_is_valid", &I::step_is_valid, "Finite trial cost, positive model decrease.")
       .field("step_is_accepted", &I::step_is_accepted, "The state moved.")
@@ -167,7 +174,8 @@ IterationArray iterations_to_numpy(const Summary& summary) {
 void bind_summary(py::module_& m) {
   using S = Summary;
   py::class_<S> cls =
-      OptionsBinder<S>(m, "Summary", "What a solve did; the same from every engine. Times in s.", nullptr)
+      OptionsBinder<S>(m, "Summary", "What a solve did; the same from every engine. Times in s.",
+                       nullptr)
           .field("termination", &S::termination, "Termination.")
           .field("message", &S::message, "Why, in words.")
           .field("backend", &S::backend, "'ceres' or 'none'.")
@@ -178,7 +186,8 @@ void bind_summary(py::module_& m) {
           .field("num_residuals", &S::num_residuals, "Scalar residuals.")
           .field("num_effective_parameters", &S::num_effective_parameters, "Tangent dimension.")
           .field("linear_solver", &S::linear_solver, "What ran.")
-          .field("linear_solver_reason", &S::linear_solver_reason, "Why AUTO picked it, or 'requested'.")
+          .field("linear_solver_reason", &S::linear_solver_reason,
+                 "Why AUTO picked it, or 'requested'.")
           .field("num_threads", &S::num_threads, "Used.")
           .field("deterministic", &S::deterministic, "Same input, same bits, on this machine.")
           .field("preprocessor_time_s", &S::preprocessor_time_s, "Building the problem.")
@@ -186,11 +195,12 @@ void bind_summary(py::module_& m) {
           .field("jacobian_time_s", &S::jacobian_time_s, "Evaluating residuals and Jacobians.")
           .field("linear_solver_time_s", &S::linear_solver_time_s, "Solving for steps.")
           .field("total_time_s", &S::total_time_s, "Wall time of the call.")
-          .property("iterations", &iterations_to_numpy,
-                    [](S& s, const IterationArray& rows) {
-                      s.iterations.assign(rows.data(), rows.data() + rows.size());
-                    },
-                    "(iterations + 1,) structured array; summary.iterations['cost'] plots directly.")
+          .property(
+              "iterations", &iterations_to_numpy,
+              [](S& s, const IterationArray& rows) {
+                s.iterations.assign(rows.data(), rows.data() + rows.size());
+              },
+              "(iterations + 1,) structured array; summary.iterations['cost'] plots directly.")
           .finish();
   cls.def("is_usable", &S::is_usable, "True when the state is at least as good as the start.");
   cls.def("brief_report", &S::brief_report, "One line.");

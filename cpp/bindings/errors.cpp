@@ -32,18 +32,19 @@ void set_format_error(const FormatError& error) {
 }  // namespace
 
 void bind_errors(py::module_& m) {
-  static PyObject* base =
-      add_exception(m, "Error", py::make_tuple(py::reinterpret_borrow<py::object>(PyExc_RuntimeError)),
-                    "Base of every exception that raylign raises on purpose.");
+  static PyObject* base = add_exception(
+      m, "Error", py::make_tuple(py::reinterpret_borrow<py::object>(PyExc_RuntimeError)),
+      "Base of every exception that raylign raises on purpose.");
   const py::tuple bases = py::make_tuple(py::reinterpret_borrow<py::object>(base),
                                          py::reinterpret_borrow<py::object>(PyExc_ValueError));
   static PyObject* options = add_exception(m, "OptionsError", bases,
                                            "An option is out of range or contradicts another one.");
-  static PyObject* shape = add_exception(m, "ShapeError", bases,
-                                         "Array shapes, dtypes, memory order or index ranges disagree.");
-  g_format_error = add_exception(m, "FormatError", bases,
-                                 "A file is not what its format promises. Attributes: `file` (str), `line` "
-                                 "(int, 1-based, 0 = none), `field` (str), `reason` (str).");
+  static PyObject* shape = add_exception(
+      m, "ShapeError", bases, "Array shapes, dtypes, memory order or index ranges disagree.");
+  g_format_error =
+      add_exception(m, "FormatError", bases,
+                    "A file is not what its format promises. Attributes: `file` (str), `line` "
+                    "(int, 1-based, 0 = none), `field` (str), `reason` (str).");
   py::register_exception_translator([](std::exception_ptr pending) {
     try {
       if (pending) std::rethrow_exception(pending);

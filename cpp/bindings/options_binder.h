@@ -14,9 +14,9 @@ namespace raylign::python {
 
 namespace py = pybind11;
 
-/// Binds an options struct as a Python dataclass-like class: keyword-only constructor (unknown key →
-/// TypeError, bad value → OptionsError), replace(), to_dict(), ==, repr that can be pasted back, pickle,
-/// copy, __fields__. One field() call per member; the C++ defaults are the Python defaults.
+/// Binds an options struct as a Python dataclass-like class: keyword-only constructor (unknown key
+/// → TypeError, bad value → OptionsError), replace(), to_dict(), ==, repr that can be pasted back,
+/// pickle, copy, __fields__. One field() call per member; the C++ defaults are the Python defaults.
 template <typename T>
 class OptionsBinder {
  public:
@@ -26,7 +26,7 @@ class OptionsBinder {
       : cls_(m, name, doc), name_(name), validate_(validate) {}
 
   template <typename Value>
-  OptionsBinder& field(const char* name, Value T::*member, const char* doc) {
+  OptionsBinder& field(const char* name, Value T::* member, const char* doc) {
     cls_.def_readwrite(name, member, doc);
     fields_.emplace_back(name);
     return *this;
@@ -52,16 +52,23 @@ class OptionsBinder {
       if (validate != nullptr) validate(result);
       return result;
     }));
-    cls_.def("validate", [validate](const T& self) {
-      if (validate != nullptr) validate(self);
-    }, "Raise OptionsError when a field is out of range.");
-    cls_.def("replace", [](const py::object& self, const py::kwargs& changes) {
-      py::dict values = to_dict(self);
-      for (auto item : changes) values[item.first] = item.second;
-      return py::type::of(self)(**values);
-    }, "Copy with the given fields changed; validated.");
-    cls_.def("to_dict", [](const py::object& self) { return to_dict(self); },
-             "Fields as a dict, in declaration order; nested options stay objects.");
+    cls_.def(
+        "validate",
+        [validate](const T& self) {
+          if (validate != nullptr) validate(self);
+        },
+        "Raise OptionsError when a field is out of range.");
+    cls_.def(
+        "replace",
+        [](const py::object& self, const py::kwargs& changes) {
+          py::dict values = to_dict(self);
+          for (auto item : changes) values[item.first] = item.second;
+          return py::type::of(self)(**values);
+        },
+        "Copy with the given fields changed; validated.");
+    cls_.def(
+        "to_dict", [](const py::object& self) { return to_dict(self); },
+        "Fields as a dict, in declaration order; nested options stay objects.");
     cls_.def("__eq__", [](const py::object& self, const py::object& other) -> py::object {
       if (!py::type::of(self).is(py::type::of(other))) {
         return py::reinterpret_borrow<py::object>(Py_NotImplemented);
@@ -95,8 +102,9 @@ class OptionsBinder {
     for (auto field : field_names(a)) {
       const py::object left = a.attr(field);
       const py::object right = b.attr(field);
-      const bool equal = py::isinstance<py::array>(left) ? array_equal(left, right).template cast<bool>()
-                                                         : left.equal(right);
+      const bool equal = py::isinstance<py::array>(left)
+                             ? array_equal(left, right).template cast<bool>()
+                             : left.equal(right);
       if (!equal) return false;
     }
     return true;
@@ -107,7 +115,8 @@ class OptionsBinder {
     for (auto item : values) {
       if (!known.contains(item.first)) {
         throw py::type_error(name + " has no option '" + py::str(item.first).cast<std::string>() +
-                             "'; it has " + py::str(py::str(", ").attr("join")(known)).cast<std::string>());
+                             "'; it has " +
+                             py::str(py::str(", ").attr("join")(known)).cast<std::string>());
       }
       self.attr(item.first) = item.second;
     }

@@ -1,10 +1,10 @@
 """raylign: direct and indirect bundle adjustment and direct camera tracking.
 
-    >>> import raylign
-    >>> problem = raylign.synthetic.bal(num_cameras=10, num_points=200, seed=1).problem
-    >>> result = raylign.bundle.adjust(problem)
-    >>> result.summary.is_usable()
-    True
+>>> import raylign
+>>> problem = raylign.synthetic.bal(num_cameras=10, num_points=200, seed=1).problem
+>>> result = raylign.bundle.adjust(problem)
+>>> result.summary.is_usable()
+True
 """
 
 from raylign import bundle, camera, errors, geometry, image, io, robust, scene, synthetic

@@ -56,6 +56,8 @@ def sim3_right_jacobian_inverse(xi: object, /) -> NDArray[np.float64]: ...
 def umeyama(source: object, target: object, *, with_scale: bool = True) -> NDArray[np.float64]: ...
 
 class PinholeCamera:
+    __fields__: ClassVar[tuple[str, ...]]
+    num_params: ClassVar[int]
     @property
     def fx(self) -> float: ...
     @property
@@ -66,13 +68,7 @@ class PinholeCamera:
     def cy(self) -> float: ...
     @property
     def params(self) -> NDArray[np.float64]: ...
-    __fields__: ClassVar[tuple[str, ...]]
-    def __init__(
-        self, *, fx: float = ..., fy: float = ..., cx: float = ..., cy: float = ...
-    ) -> None: ...
-    def replace(
-        self, *, fx: float = ..., fy: float = ..., cx: float = ..., cy: float = ...
-    ) -> Self: ...
+    def __init__(self, fx: float, fy: float, cx: float, cy: float) -> None: ...
     def __repr__(self) -> str: ...
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -88,6 +84,8 @@ class PinholeCamera:
     def matrix(self) -> NDArray[np.float64]: ...
 
 class RadtanCamera:
+    __fields__: ClassVar[tuple[str, ...]]
+    num_params: ClassVar[int]
     @property
     def fx(self) -> float: ...
     @property
@@ -108,33 +106,18 @@ class RadtanCamera:
     def k3(self) -> float: ...
     @property
     def params(self) -> NDArray[np.float64]: ...
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
-        *,
-        fx: float = ...,
-        fy: float = ...,
-        cx: float = ...,
-        cy: float = ...,
-        k1: float = ...,
-        k2: float = ...,
-        p1: float = ...,
-        p2: float = ...,
-        k3: float = ...,
+        fx: float,
+        fy: float,
+        cx: float,
+        cy: float,
+        k1: float,
+        k2: float,
+        p1: float,
+        p2: float,
+        k3: float = 0.0,
     ) -> None: ...
-    def replace(
-        self,
-        *,
-        fx: float = ...,
-        fy: float = ...,
-        cx: float = ...,
-        cy: float = ...,
-        k1: float = ...,
-        k2: float = ...,
-        p1: float = ...,
-        p2: float = ...,
-        k3: float = ...,
-    ) -> Self: ...
     def __repr__(self) -> str: ...
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -149,6 +132,8 @@ class RadtanCamera:
     def is_in_front(p_c: object) -> object: ...
 
 class BalCamera:
+    __fields__: ClassVar[tuple[str, ...]]
+    num_params: ClassVar[int]
     @property
     def f(self) -> float: ...
     @property
@@ -157,9 +142,7 @@ class BalCamera:
     def k2(self) -> float: ...
     @property
     def params(self) -> NDArray[np.float64]: ...
-    __fields__: ClassVar[tuple[str, ...]]
-    def __init__(self, *, f: float = ..., k1: float = ..., k2: float = ...) -> None: ...
-    def replace(self, *, f: float = ..., k1: float = ..., k2: float = ...) -> Self: ...
+    def __init__(self, f: float, k1: float = 0.0, k2: float = 0.0) -> None: ...
     def __repr__(self) -> str: ...
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -202,10 +185,10 @@ class LossType(enum.Enum):
     STUDENT_T = 7
 
 class Loss:
+    __fields__: ClassVar[tuple[str, ...]]
     type: LossType
     scale: float
     degrees_of_freedom: float
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self, *, type: LossType = ..., scale: float = ..., degrees_of_freedom: float = ...
     ) -> None: ...
@@ -270,6 +253,7 @@ class ParameterKind(enum.Enum):
     POINT = 2
 
 class LmOptions:
+    __fields__: ClassVar[tuple[str, ...]]
     max_num_iterations: int
     max_solver_time_s: float
     function_tolerance: float
@@ -284,7 +268,6 @@ class LmOptions:
     max_num_consecutive_invalid_steps: int
     jacobi_scaling: bool
     num_threads: int
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -331,12 +314,12 @@ class LmOptions:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class LinearSolverOptions:
+    __fields__: ClassVar[tuple[str, ...]]
     type: LinearSolverType
     preconditioner: Preconditioner
     explicit_schur: bool
     max_num_iterations: int
     forcing_tolerance: float
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -365,13 +348,13 @@ class LinearSolverOptions:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class BundleOptions:
+    __fields__: ClassVar[tuple[str, ...]]
     backend: Backend
     pose_parametrization: PoseParametrization
     point_parametrization: PointParametrization
     loss: Loss
     lm: LmOptions
     linear_solver: LinearSolverOptions
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -402,10 +385,10 @@ class BundleOptions:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class ConstantCoordinate:
+    __fields__: ClassVar[tuple[str, ...]]
     kind: ParameterKind
     index: int
     coordinate: str
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self, *, kind: ParameterKind = ..., index: int = ..., coordinate: str = ...
     ) -> None: ...
@@ -422,12 +405,12 @@ class ConstantCoordinate:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class BundleConfig:
+    __fields__: ClassVar[tuple[str, ...]]
     gauge: Gauge
     constant_cameras: list[int]
     constant_intrinsics: list[int]
     constant_points: list[int]
     constant_coordinates: list[ConstantCoordinate]
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -456,6 +439,7 @@ class BundleConfig:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class IterationSummary:
+    __fields__: ClassVar[tuple[str, ...]]
     iteration: int
     linear_solver_iterations: int
     num_residual_blocks: int
@@ -470,7 +454,6 @@ class IterationSummary:
     linear_solver_time_s: float
     iteration_time_s: float
     cumulative_time_s: float
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -517,6 +500,7 @@ class IterationSummary:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class Summary:
+    __fields__: ClassVar[tuple[str, ...]]
     termination: Termination
     message: str
     backend: str
@@ -536,7 +520,6 @@ class Summary:
     linear_solver_time_s: float
     total_time_s: float
     iterations: NDArray[Any]
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -596,11 +579,11 @@ class Summary:
     def full_report(self) -> str: ...
 
 class CountSummary:
+    __fields__: ClassVar[tuple[str, ...]]
     min: float
     median: float
     mean: float
     max: float
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self, *, min: float = ..., median: float = ..., mean: float = ..., max: float = ...
     ) -> None: ...
@@ -617,6 +600,7 @@ class CountSummary:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class ProblemStatistics:
+    __fields__: ClassVar[tuple[str, ...]]
     num_cameras: int
     num_points: int
     num_observations: int
@@ -635,7 +619,6 @@ class ProblemStatistics:
     num_underconstrained_cameras: int
     num_duplicate_observations: int
     num_non_positive_focal: int
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,
@@ -756,6 +739,7 @@ class BalKind(enum.Enum):
     ORBIT = 1
 
 class BalOptions:
+    __fields__: ClassVar[tuple[str, ...]]
     kind: BalKind
     num_cameras: int
     num_points: int
@@ -784,7 +768,6 @@ class BalOptions:
     point_noise: float
     focal_noise: float
     distortion_noise: float
-    __fields__: ClassVar[tuple[str, ...]]
     def __init__(
         self,
         *,

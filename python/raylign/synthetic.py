@@ -114,9 +114,7 @@ def write_bal(
     if truth_path is not None and os.path.realpath(path) == os.path.realpath(truth_path):
         raise OptionsError(f"path and truth_path are the same file: {os.fspath(path)}")
     truth = None if truth_path is None else os.fspath(truth_path)
-    return _core.write_synthetic_bal(
-        options, os.fspath(path), truth_path=truth, progress=progress
-    )
+    return _core.write_synthetic_bal(options, os.fspath(path), truth_path=truth, progress=progress)
 
 
 def _merge(options: BalOptions | None, changes: dict[str, Any]) -> BalOptions:

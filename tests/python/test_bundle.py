@@ -5,9 +5,9 @@ import signal
 import threading
 
 import numpy as np
-import oracle
 import pytest
 
+import oracle
 import raylign
 from raylign.bundle import (
     BundleConfig,

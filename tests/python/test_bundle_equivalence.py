@@ -1,10 +1,10 @@
 """The parametrisations describe one problem: same cost, gradients and Gauss-Newton steps after mapping."""
 
 import numpy as np
-import oracle
 import pytest
 from scipy.sparse import csr_matrix
 
+import oracle
 import raylign
 from raylign import geometry
 from raylign.bundle import (

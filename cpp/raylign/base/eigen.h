@@ -21,8 +21,10 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 template <int R, int C>
 using RowMajor = Eigen::Matrix<double, R, C, (C == 1 ? Eigen::ColMajor : Eigen::RowMajor)>;
 
-/// Table with a run-time number of rows, one record per row (C order): the layout of a NumPy (N, Cols) array.
+/// Table with a run-time number of rows, one record per row (C order): the layout of a NumPy (N,
+/// Cols) array.
 template <typename Scalar, int Cols>
-using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, Cols, (Cols == 1 ? Eigen::ColMajor : Eigen::RowMajor)>;
+using Rows =
+    Eigen::Matrix<Scalar, Eigen::Dynamic, Cols, (Cols == 1 ? Eigen::ColMajor : Eigen::RowMajor)>;
 
 }  // namespace raylign

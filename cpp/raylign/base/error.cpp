@@ -8,7 +8,9 @@
 namespace raylign {
 namespace {
 
-std::string compose(const std::string& file, std::int64_t line, const std::string& field,
+std::string compose(const std::string& file,
+                    std::int64_t line,
+                    const std::string& field,
                     const std::string& reason) {
   std::string text = file;
   if (line > 0) text += ":" + std::to_string(line);
@@ -33,7 +35,8 @@ std::string format_double(double value) {
 }
 
 void require_option(bool ok, const char* field, const char* rule, double value) {
-  if (!ok) throw OptionsError(std::string(field) + " must be " + rule + ", got " + format_double(value));
+  if (!ok)
+    throw OptionsError(std::string(field) + " must be " + rule + ", got " + format_double(value));
 }
 
 }  // namespace raylign

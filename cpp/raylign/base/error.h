@@ -26,13 +26,15 @@ class ShapeError : public Error {
   using Error::Error;
 };
 
-/// A file is not what its format promises. Python: also a `ValueError`, with the same four attributes.
+/// A file is not what its format promises. Python: also a `ValueError`, with the same four
+/// attributes.
 class FormatError : public Error {
  public:
   /// @param file   path as the caller gave it, or a name for a stream ("<stream>")
   /// @param line   1-based line, 0 if the error belongs to no line (an empty file, a missing tail)
   /// @param field  what was being read, e.g. "camera index of observation 17"
-  /// @param reason what was wrong and what was expected, e.g. "got 49, the header declares 49 cameras"
+  /// @param reason what was wrong and what was expected, e.g. "got 49, the header declares 49
+  /// cameras"
   FormatError(std::string file, std::int64_t line, std::string field, std::string reason);
 
   const std::string& file() const { return file_; }

@@ -15,16 +15,20 @@ void validate(const BalProblem& problem, const BundleConfig& config, const Bundl
 
 }  // namespace
 
-Summary adjust(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+Summary adjust(BalProblem& problem,
+               const BundleConfig& config,
+               const BundleOptions& options,
                const IterationCallback& callback) {
   validate(problem, config, options);
   switch (options.backend) {
-    case Backend::CERES: break;
+    case Backend::CERES:
+      break;
   }
   return ceres_backend::solve(problem, config, options, callback);
 }
 
-Linearization linearize(const BalProblem& problem, const BundleConfig& config,
+Linearization linearize(const BalProblem& problem,
+                        const BundleConfig& config,
                         const BundleOptions& options) {
   validate(problem, config, options);
   return ceres_backend::linearize(problem, config, options);

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "raylign/scene/bal_problem.h"
 #include "raylign/solver/bundle_config.h"
 #include "raylign/solver/bundle_options.h"
-#include "raylign/scene/bal_problem.h"
 #include "raylign/solver/linearization.h"
 #include "raylign/solver/summary.h"
 
@@ -12,15 +12,18 @@ namespace raylign {
 
 /// Minimises ½ Σ ρ(‖π(R_cw X + t_cw) − u‖²) over poses, intrinsics and points (Triggs et al. 2000).
 ///
-/// `problem` is the one argument that changes: on return it holds the best state found; it is untouched
-/// when Summary::termination is FAILURE. Throws OptionsError, ShapeError; numerical trouble is no
-/// exception but Termination::FAILURE with a message.
-Summary adjust(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+/// `problem` is the one argument that changes: on return it holds the best state found; it is
+/// untouched when Summary::termination is FAILURE. Throws OptionsError, ShapeError; numerical
+/// trouble is no exception but Termination::FAILURE with a message.
+Summary adjust(BalProblem& problem,
+               const BundleConfig& config,
+               const BundleOptions& options,
                const IterationCallback& callback = nullptr);
 
-/// The same problem linearised at its current state: cost, gradient, sparse Jacobian (see Linearization).
-/// Throws Error when a residual is not finite there, and whatever `adjust` throws.
-Linearization linearize(const BalProblem& problem, const BundleConfig& config,
+/// The same problem linearised at its current state: cost, gradient, sparse Jacobian (see
+/// Linearization). Throws Error when a residual is not finite there, and whatever `adjust` throws.
+Linearization linearize(const BalProblem& problem,
+                        const BundleConfig& config,
                         const BundleOptions& options);
 
 }  // namespace raylign

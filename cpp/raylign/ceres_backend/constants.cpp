@@ -22,13 +22,17 @@ void for_each_index(std::int32_t index, std::int64_t count, const Apply& apply) 
   for (std::int64_t i = 0; i < count; ++i) apply(i);
 }
 
-void hold_coordinate(const ConstantCoordinate& constant, const BalProblem& problem, Constants& held) {
+void hold_coordinate(const ConstantCoordinate& constant,
+                     const BalProblem& problem,
+                     Constants& held) {
   const int offset = coordinate_offset(constant.kind, constant.coordinate);
   switch (constant.kind) {
     case ParameterKind::POSE:
       for_each_index(constant.index, problem.num_cameras(), [&](std::int64_t i) {
-        if (offset == kRotation) held.poses[i].rotation = true;
-        else held.poses[i].translation[offset] = true;
+        if (offset == kRotation)
+          held.poses[i].rotation = true;
+        else
+          held.poses[i].translation[offset] = true;
       });
       break;
     case ParameterKind::INTRINSICS:
@@ -43,12 +47,14 @@ void hold_coordinate(const ConstantCoordinate& constant, const BalProblem& probl
   }
 }
 
-// t of camera i as seen from camera 0's centre: R_i (c_i − c_0), up to sign. A change of scale about c_0
-// moves t_i along this vector, so its largest coordinate is the one to hold (COLMAP's rule).
+// t of camera i as seen from camera 0's centre: R_i (c_i − c_0), up to sign. A change of scale
+// about c_0 moves t_i along this vector, so its largest coordinate is the one to hold (COLMAP's
+// rule).
 Vector3 baseline(const BalProblem& problem, std::int64_t i, std::int64_t first) {
   const auto pose = [&](std::int64_t k) {
     const Vector3 omega = problem.cameras.row(k).head<3>().transpose();
-    return std::pair<Matrix3, Vector3>(so3_exp(omega), problem.cameras.row(k).segment<3>(3).transpose());
+    return std::pair<Matrix3, Vector3>(so3_exp(omega),
+                                       problem.cameras.row(k).segment<3>(3).transpose());
   };
   const auto [R_0, t_0] = pose(first);
   const auto [R_i, t_i] = pose(i);
@@ -58,7 +64,8 @@ Vector3 baseline(const BalProblem& problem, std::int64_t i, std::int64_t first) 
 void hold_gauge(const BalProblem& problem, Gauge gauge, Constants& held) {
   if (gauge == Gauge::FREE || problem.num_observations() == 0) return;
   std::vector<bool> observed(problem.num_cameras(), false);
-  for (std::int64_t i = 0; i < problem.num_observations(); ++i) observed[problem.camera_index[i]] = true;
+  for (std::int64_t i = 0; i < problem.num_observations(); ++i)
+    observed[problem.camera_index[i]] = true;
   std::int64_t first = 0;
   while (!observed[first]) ++first;
   hold_pose(held.poses[first]);

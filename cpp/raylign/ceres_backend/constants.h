@@ -14,11 +14,15 @@ namespace raylign::ceres_backend {
 
 using CoordinateMask = std::array<bool, 3>;
 
-/// BundleConfig and gauge spelled out per camera and point. Tables that hold nothing stay empty.
+/// BundleConfig and gauge spelled out per camera and point.
 struct Constants {
-  std::vector<PoseMask> poses;              ///< (C,)
-  std::vector<CoordinateMask> intrinsics;   ///< (C,)
-  std::vector<CoordinateMask> points;       ///< (P,) or empty when no point is held
+  std::vector<PoseMask> poses;             ///< (C,)
+  std::vector<CoordinateMask> intrinsics;  ///< (C,)
+  std::vector<CoordinateMask> points;      ///< (P,), or empty when no point is held
+
+  bool holds_point(std::int64_t p) const {
+    return !points.empty() && points[p][0] && points[p][1] && points[p][2];
+  }
 };
 
 /// Cameras without observations do not serve as gauge cameras.

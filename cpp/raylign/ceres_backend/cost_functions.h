@@ -45,8 +45,9 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, Pose::kSize, 3
   Vector2 observed_;
 };
 
-/// A point m / ρ, m = (α, β, −1), in the frame of its host camera h, seen from camera c. In homogeneous
-/// world coordinates x̄ = R_hᵀ (m − ρ t_h), w = ρ. Blocks: pose of c, (f, k1, k2) of c, (α, β, ρ), pose of h.
+/// A point m / ρ, m = (α, β, −1), in the frame of its host camera h, seen from camera c. In
+/// homogeneous world coordinates x̄ = R_hᵀ (m − ρ t_h), w = ρ. Blocks: pose of c, (f, k1, k2) of c,
+/// (α, β, ρ), pose of h.
 template <typename Pose>
 class InverseDepthCost final : public ceres::SizedCostFunction<2, Pose::kSize, 3, 3, Pose::kSize> {
  public:

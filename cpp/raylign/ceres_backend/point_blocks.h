@@ -4,8 +4,8 @@
 
 #include "raylign/base/eigen.h"
 
-/// How a point is stored in a Ceres parameter block. Each reads as a homogeneous point (x̄, w), so that
-/// p_c = R x̄ + w t, and turns ∂r/∂x̄ and ∂r/∂w into the Jacobian of its own numbers.
+/// How a point is stored in a Ceres parameter block. Each reads as a homogeneous point (x̄, w), so
+/// that p_c = R x̄ + w t, and turns ∂r/∂x̄ and ∂r/∂w into the Jacobian of its own numbers.
 namespace raylign::ceres_backend {
 
 /// (X, Y, Z).

@@ -37,8 +37,7 @@ PoseManifold::Embedding PoseManifold::embedding(const double* x) const {
 }
 
 bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  const Vector6 xi =
-      embedding(x) * Eigen::Map<const Eigen::VectorXd>(delta, tangent_size_);
+  const Vector6 xi = embedding(x) * Eigen::Map<const Eigen::VectorXd>(delta, tangent_size_);
   const ConstQuaternion q(x);
   const ConstVector3 t(x + 4);
   const Vector3 omega = xi.tail<3>();
@@ -69,7 +68,8 @@ bool PoseManifold::PlusJacobian(const double* x, double* jacobian) const {
   if (update_ == TranslationUpdate::COUPLED) {
     J.bottomRightCorner<3, 3>() = -so3_hat(ConstVector3(x + 4));
   }
-  Eigen::Map<Eigen::Matrix<double, 7, Eigen::Dynamic, Eigen::RowMajor>> out(jacobian, 7, tangent_size_);
+  Eigen::Map<Eigen::Matrix<double, 7, Eigen::Dynamic, Eigen::RowMajor>> out(jacobian, 7,
+                                                                            tangent_size_);
   if (mask_.any()) {
     out = J * embedding(x);
   } else {
@@ -103,7 +103,8 @@ bool PoseManifold::MinusJacobian(const double* x, double* jacobian) const {
   if (update_ == TranslationUpdate::COUPLED) {
     J.topLeftCorner<3, 4>() = so3_hat(ConstVector3(x + 4)) * d_omega_d_q;  // υ = dt − ω × t
   }
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>> out(jacobian, tangent_size_, 7);
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>> out(jacobian, tangent_size_,
+                                                                            7);
   for (int i = 0, row = 0; i < 6; ++i) {
     if (is_free(i)) out.row(row++) = J.row(i);
   }

@@ -24,8 +24,8 @@ struct PoseMask {
   bool any() const { return rotation || translation[0] || translation[1] || translation[2]; }
 };
 
-/// Ceres manifold of a camera pose. Held coordinates leave the tangent space: with COUPLED a held t_k asks
-/// υ_k = −(ω × t)_k of the tangent vector, and Plus puts the very same t_k back.
+/// Ceres manifold of a camera pose. Held coordinates leave the tangent space: with COUPLED a held
+/// t_k asks υ_k = −(ω × t)_k of the tangent vector, and Plus puts the very same t_k back.
 class PoseManifold final : public ceres::Manifold {
  public:
   explicit PoseManifold(TranslationUpdate update, const PoseMask& mask = {});

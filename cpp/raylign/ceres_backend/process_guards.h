@@ -4,8 +4,8 @@
 
 namespace raylign::ceres_backend {
 
-/// Keeps glog, and with it Ceres, off the user's stderr while it lives. glog's level is a process-wide
-/// setting, so it is put back.
+/// Keeps glog, and with it Ceres, off the user's stderr while it lives. glog's level is a
+/// process-wide setting, so it is put back.
 class ScopedGlogSilence {
  public:
   ScopedGlogSilence();
@@ -17,8 +17,8 @@ class ScopedGlogSilence {
   int previous_level_;
 };
 
-/// Gives OpenBLAS one thread while it lives, if OpenBLAS is what the process runs: its own threads change
-/// the order of sums and fight with the solver's. Other BLAS libraries are left as they are.
+/// Gives OpenBLAS one thread while it lives, if OpenBLAS is what the process runs: its own threads
+/// change the order of sums and fight with the solver's. Other BLAS libraries are left as they are.
 class ScopedSingleThreadedBlas {
  public:
   ScopedSingleThreadedBlas();

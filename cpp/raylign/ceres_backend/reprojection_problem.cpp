@@ -4,13 +4,12 @@
 
 #include <ceres/sphere_manifold.h>
 
-#include <cmath>
-#include <cstring>
 #include <deque>
 
 #include "raylign/base/error.h"
 #include "raylign/ceres_backend/constants.h"
 #include "raylign/ceres_backend/cost_functions.h"
+#include "raylign/ceres_backend/parameter_state.h"
 #include "raylign/ceres_backend/robust_loss.h"
 
 namespace raylign::ceres_backend {
@@ -36,136 +35,48 @@ std::vector<int> held_offsets(const CoordinateMask& mask) {
 bool all_held(const CoordinateMask& mask) { return mask[0] && mask[1] && mask[2]; }
 bool none_held(const CoordinateMask& mask) { return !(mask[0] || mask[1] || mask[2]); }
 
+void check_point_constants(const Constants& held, PointParametrization parametrization) {
+  if (parametrization == PointParametrization::XYZ) return;
+  for (const CoordinateMask& mask : held.points) {
+    if (all_held(mask) || none_held(mask)) continue;
+    throw OptionsError(
+        "BundleConfig.constant_coordinates holds single coordinates of a point, which "
+        "needs point_parametrization XYZ, got " +
+        to_string(parametrization));
+  }
+}
+
 template <typename Pose>
-class Builder final : public ReprojectionProblem {
+class ReprojectionProblemOf final : public ReprojectionProblem {
  public:
-  Builder(const BalProblem& problem, const BundleConfig& config, const BundleOptions& options)
+  ReprojectionProblemOf(const BalProblem& problem,
+                        const BundleConfig& config,
+                        const BundleOptions& options)
       : source_(problem),
         options_(options),
         held_(resolve_constants(problem, config)),
+        state_(problem, options.point_parametrization, held_),
         loss_(options.loss) {
+    check_point_constants(held_, options.point_parametrization);
     ceres_ = std::make_unique<ceres::Problem>(problem_options());
-    check_point_constants();
-    find_hosts();
-    load_cameras();
-    load_points();
-    add_residuals();
+    for (std::int64_t i = 0; i < source_.num_observations(); ++i) add_residual(i);
     register_blocks();
     apply_camera_constants();
     apply_point_constants();
   }
 
-  void write_back(BalProblem& problem) const override {
-    for (std::int64_t c = 0; c < problem.num_cameras(); ++c) {
-      write_back_pose(c, problem);
-      // Unchanged numbers are copied onto themselves: the block holds the file's own numbers.
-      problem.cameras.row(c).tail<3>() = Eigen::Map<const Vector3>(intrinsics_block(c)).transpose();
-    }
-    for (std::int64_t p = 0; p < problem.num_points(); ++p) {
-      const double* first = &initial_points_[p * point_size_];
-      const double* now = &points_[p * point_size_];
-      if (std::memcmp(first, now, point_size_ * sizeof(double)) == 0 && !host_moved(p)) continue;
-      problem.points.row(p) = world_point(p).transpose();
-    }
-  }
+  void write_back(BalProblem& problem) const override { state_.write_back(problem); }
 
  private:
-  enum class PointModel { XYZ, HOMOGENEOUS, INVERSE_DEPTH };
-
-  const double* pose_block(std::int64_t c) const { return &poses_[c * Pose::kSize]; }
-  double* pose_block(std::int64_t c) { return &poses_[c * Pose::kSize]; }
-  const double* intrinsics_block(std::int64_t c) const { return &intrinsics_[c * 3]; }
-  double* intrinsics_block(std::int64_t c) { return &intrinsics_[c * 3]; }
-  double* point_block(std::int64_t p) { return &points_[p * point_size_]; }
-
-  bool is_constant_point(std::int64_t p) const {
-    return !held_.points.empty() && all_held(held_.points[p]);
-  }
-
-  // A held point stays what it is in world coordinates, whatever the parametrisation of the others.
-  PointModel point_model(std::int64_t p) const {
-    switch (options_.point_parametrization) {
-      case PointParametrization::HOMOGENEOUS: return PointModel::HOMOGENEOUS;
-      case PointParametrization::INVERSE_DEPTH:
-        return is_constant_point(p) ? PointModel::XYZ : PointModel::INVERSE_DEPTH;
-      case PointParametrization::XYZ: break;
-    }
-    return PointModel::XYZ;
-  }
-
-  void check_point_constants() const {
-    if (options_.point_parametrization == PointParametrization::XYZ) return;
-    for (const CoordinateMask& mask : held_.points) {
-      if (all_held(mask) || none_held(mask)) continue;
-      throw OptionsError("BundleConfig.constant_coordinates holds single coordinates of a point, which "
-                         "needs point_parametrization XYZ, got " +
-                         to_string(options_.point_parametrization));
-    }
-  }
-
-  // The host of an inverse-depth point is the first camera (lowest index) that sees it.
-  void find_hosts() {
-    hosts_.assign(source_.num_points(), -1);
-    for (std::int64_t i = 0; i < source_.num_observations(); ++i) {
-      std::int32_t& host = hosts_[source_.point_index[i]];
-      const std::int32_t camera = source_.camera_index[i];
-      if (host < 0 || camera < host) host = camera;
-    }
-  }
-
-  void load_cameras() {
-    const std::int64_t n = source_.num_cameras();
-    poses_.resize(n * Pose::kSize);
-    intrinsics_.resize(n * 3);
-    for (std::int64_t c = 0; c < n; ++c) {
-      const auto row = source_.cameras.row(c);
-      Pose::from_angle_axis(row.head<3>().transpose(), row.segment<3>(3).transpose(), pose_block(c));
-      Eigen::Map<Vector3>{intrinsics_block(c)} = row.tail<3>().transpose();
-    }
-    initial_poses_ = poses_;
-  }
-
-  void load_points() {
-    point_size_ = options_.point_parametrization == PointParametrization::HOMOGENEOUS ? 4 : 3;
-    points_.resize(source_.num_points() * point_size_);
-    for (std::int64_t p = 0; p < source_.num_points(); ++p) {
-      const Vector3 x = source_.points.row(p).transpose();
-      double* block = point_block(p);
-      switch (point_model(p)) {
-        case PointModel::XYZ: Eigen::Map<Vector3>{block} = x; break;
-        case PointModel::HOMOGENEOUS:
-          Eigen::Map<Vector4>{block} = x.homogeneous().stableNormalized();
-          break;
-        case PointModel::INVERSE_DEPTH: load_inverse_depth(p, x, block); break;
-      }
-    }
-    initial_points_ = points_;
-  }
-
-  void load_inverse_depth(std::int64_t p, const Vector3& x, double* block) {
-    Eigen::Map<Vector3> parameters(block);
-    if (hosts_[p] < 0) {  // never observed: never read
-      parameters.setZero();
-      return;
-    }
-    const Pose host(pose_block(hosts_[p]));
-    const Vector3 p_h = host.R_cw * x + host.t_cw;
-    parameters = Vector3(-p_h.x() / p_h.z(), -p_h.y() / p_h.z(), -1.0 / p_h.z());
-  }
-
-  void add_residuals() {
-    for (std::int64_t i = 0; i < source_.num_observations(); ++i) add_residual(i);
-  }
-
   void add_residual(std::int64_t i) {
     const std::int32_t c = source_.camera_index[i];
     const std::int32_t p = source_.point_index[i];
     const Vector2 observed = source_.observations.row(i).transpose();
     ceres::LossFunction* loss = options_.loss.type == LossType::TRIVIAL ? nullptr : &loss_;
-    double* pose = pose_block(c);
-    double* intrinsics = intrinsics_block(c);
-    double* point = point_block(p);
-    switch (point_model(p)) {
+    double* pose = state_.pose(c);
+    double* intrinsics = state_.intrinsics(c);
+    double* point = state_.point(p);
+    switch (state_.point_model(p)) {
       case PointModel::XYZ:
         ceres_->AddResidualBlock(&xyz_costs_.emplace_back(observed), loss, pose, intrinsics, point);
         break;
@@ -174,11 +85,11 @@ class Builder final : public ReprojectionProblem {
                                  point);
         break;
       case PointModel::INVERSE_DEPTH:
-        if (hosts_[p] == c) {
+        if (state_.host(p) == c) {
           ceres_->AddResidualBlock(&host_costs_.emplace_back(observed), loss, intrinsics, point);
         } else {
           ceres_->AddResidualBlock(&inverse_depth_costs_.emplace_back(observed), loss, pose,
-                                   intrinsics, point, pose_block(hosts_[p]));
+                                   intrinsics, point, state_.pose(state_.host(p)));
         }
         break;
     }
@@ -186,43 +97,46 @@ class Builder final : public ReprojectionProblem {
 
   void register_blocks() {
     for (std::int64_t c = 0; c < source_.num_cameras(); ++c) {
-      for (double* block : {pose_block(c), intrinsics_block(c)}) {
+      for (double* block : {state_.pose(c), state_.intrinsics(c)}) {
         if (ceres_->HasParameterBlock(block)) blocks_.push_back(block);
       }
     }
     for (std::int64_t p = 0; p < source_.num_points(); ++p) {
-      if (ceres_->HasParameterBlock(point_block(p))) point_blocks_.push_back(point_block(p));
+      if (ceres_->HasParameterBlock(state_.point(p))) point_blocks_.push_back(state_.point(p));
     }
     blocks_.insert(blocks_.end(), point_blocks_.begin(), point_blocks_.end());
   }
 
   void apply_camera_constants() {
-    ceres::Manifold* shared = pose_manifold(PoseMask{});  // one object serves every free camera
-    bool shared_used = false;
+    std::unique_ptr<ceres::Manifold> shared(pose_manifold(PoseMask{}));  // serves every free camera
+    ceres::Manifold* free_pose = shared.get();
     for (std::int64_t c = 0; c < source_.num_cameras(); ++c) {
-      if (ceres_->HasParameterBlock(intrinsics_block(c))) {
-        hold_coordinates(intrinsics_block(c), held_.intrinsics[c]);
+      if (ceres_->HasParameterBlock(state_.intrinsics(c))) {
+        hold_coordinates(state_.intrinsics(c), held_.intrinsics[c]);
       }
-      if (!ceres_->HasParameterBlock(pose_block(c))) continue;
+      double* pose = state_.pose(c);
+      if (!ceres_->HasParameterBlock(pose)) continue;
       const PoseMask& mask = held_.poses[c];
       if (mask.rotation && all_held(mask.translation)) {
-        ceres_->SetParameterBlockConstant(pose_block(c));
+        ceres_->SetParameterBlockConstant(pose);
       } else if (mask.any()) {
-        ceres_->SetManifold(pose_block(c), pose_manifold(mask));
-      } else if (shared != nullptr) {
-        ceres_->SetManifold(pose_block(c), shared);
-        shared_used = true;
+        ceres_->SetManifold(pose, pose_manifold(mask));
+      } else if (free_pose != nullptr) {
+        ceres_->SetManifold(pose, free_pose);
+        (void)shared.release();  // Ceres owns it from the first use on
       }
     }
-    if (!shared_used) delete shared;
   }
 
   // nullptr: the block is its own tangent space.
   ceres::Manifold* pose_manifold(const PoseMask& mask) const {
     switch (options_.pose_parametrization) {
-      case PoseParametrization::SE3: return new PoseManifold(TranslationUpdate::COUPLED, mask);
-      case PoseParametrization::QUATERNION: return new PoseManifold(TranslationUpdate::ADDITIVE, mask);
-      case PoseParametrization::ANGLE_AXIS: break;
+      case PoseParametrization::SE3:
+        return new PoseManifold(TranslationUpdate::COUPLED, mask);
+      case PoseParametrization::QUATERNION:
+        return new PoseManifold(TranslationUpdate::ADDITIVE, mask);
+      case PoseParametrization::ANGLE_AXIS:
+        break;
     }
     if (!mask.any()) return nullptr;
     std::vector<int> held = mask.rotation ? std::vector<int>{0, 1, 2} : std::vector<int>{};
@@ -241,11 +155,11 @@ class Builder final : public ReprojectionProblem {
   void apply_point_constants() {
     ceres::Manifold* sphere = nullptr;
     for (std::int64_t p = 0; p < source_.num_points(); ++p) {
-      double* block = point_block(p);
+      double* block = state_.point(p);
       if (!ceres_->HasParameterBlock(block)) continue;
-      if (is_constant_point(p)) {
+      if (held_.holds_point(p)) {
         ceres_->SetParameterBlockConstant(block);
-      } else if (point_model(p) == PointModel::HOMOGENEOUS) {
+      } else if (state_.point_model(p) == PointModel::HOMOGENEOUS) {
         if (sphere == nullptr) sphere = new ceres::SphereManifold<4>();
         ceres_->SetManifold(block, sphere);
       } else if (!held_.points.empty()) {
@@ -254,55 +168,11 @@ class Builder final : public ReprojectionProblem {
     }
   }
 
-  void write_back_pose(std::int64_t c, BalProblem& problem) const {
-    const double* first = &initial_poses_[c * Pose::kSize];
-    const double* now = pose_block(c);
-    const std::size_t bytes = Pose::kSize * sizeof(double);
-    if (std::memcmp(first, now, bytes) == 0) return;
-    const std::size_t rotation_bytes = bytes - 3 * sizeof(double);
-    if (std::memcmp(first, now, rotation_bytes) != 0) {  // a held rotation keeps the file's digits
-      problem.cameras.row(c).head<3>() = Pose::angle_axis(now).transpose();
-    }
-    problem.cameras.row(c).segment<3>(3) =
-        Eigen::Map<const Vector3>(Pose::translation(now)).transpose();
-  }
-
-  // An anchored point moves in the world with its host, even when its own numbers stay.
-  bool host_moved(std::int64_t p) const {
-    if (point_model(p) != PointModel::INVERSE_DEPTH || hosts_[p] < 0) return false;
-    return std::memcmp(&initial_poses_[hosts_[p] * Pose::kSize], pose_block(hosts_[p]),
-                       Pose::kSize * sizeof(double)) != 0;
-  }
-
-  Vector3 world_point(std::int64_t p) const {
-    const double* block = &points_[p * point_size_];
-    switch (point_model(p)) {
-      case PointModel::XYZ: return Eigen::Map<const Vector3>(block);
-      case PointModel::HOMOGENEOUS:
-        return Eigen::Map<const Vector3>(block) / bounded_weight(block[3]);
-      case PointModel::INVERSE_DEPTH: break;
-    }
-    const Pose host(pose_block(hosts_[p]));
-    const Vector3 m(block[0], block[1], -1.0);
-    return host.R_cw.transpose() * (m / bounded_weight(block[2]) - host.t_cw);
-  }
-
-  // A BAL file has no points at infinity: they are written at 1e12 scene units, where the pixel is the same
-  // to about 1e-9 px.
-  static double bounded_weight(double w) {
-    constexpr double kSmallest = 1e-12;
-    return std::abs(w) < kSmallest ? std::copysign(kSmallest, w) : w;
-  }
-
   const BalProblem& source_;
   const BundleOptions options_;
   const Constants held_;
+  ParameterState<Pose> state_;
   RobustLoss loss_;
-  std::vector<std::int32_t> hosts_;  // per point; -1 = never observed
-  std::vector<double> poses_, initial_poses_;
-  std::vector<double> intrinsics_;
-  std::vector<double> points_, initial_points_;
-  std::int64_t point_size_ = 3;
   // deques: Ceres keeps the addresses, and cost functions cannot move
   std::deque<ReprojectionCost<Pose, XyzPoint>> xyz_costs_;
   std::deque<ReprojectionCost<Pose, HomogeneousPoint>> homogeneous_costs_;
@@ -316,9 +186,9 @@ std::unique_ptr<ReprojectionProblem> ReprojectionProblem::create(const BalProble
                                                                  const BundleConfig& config,
                                                                  const BundleOptions& options) {
   if (options.pose_parametrization == PoseParametrization::ANGLE_AXIS) {
-    return std::make_unique<Builder<AngleAxisPose>>(problem, config, options);
+    return std::make_unique<ReprojectionProblemOf<AngleAxisPose>>(problem, config, options);
   }
-  return std::make_unique<Builder<QuaternionPose>>(problem, config, options);
+  return std::make_unique<ReprojectionProblemOf<QuaternionPose>>(problem, config, options);
 }
 
 }  // namespace raylign::ceres_backend

@@ -13,12 +13,13 @@
 
 namespace raylign::ceres_backend {
 
-/// A BAL problem as Ceres sees it: parameter blocks in the chosen parametrisation, one residual block per
-/// observation, constants and gauge applied. Owns everything that the ceres::Problem points to.
+/// A BAL problem as Ceres sees it: parameter blocks in the chosen parametrisation, one residual
+/// block per observation, constants and gauge applied. Owns everything that the ceres::Problem
+/// points to.
 class ReprojectionProblem {
  public:
-  /// `problem` must be valid, with finite residuals (Ceres aborts on NaN parameters), and outlive this object. Throws OptionsError for constants that the chosen
-  /// parametrisation cannot hold.
+  /// `problem` must be valid, with finite residuals (Ceres aborts on NaN parameters), and outlive
+  /// this object. Throws OptionsError for constants that the chosen parametrisation cannot hold.
   static std::unique_ptr<ReprojectionProblem> create(const BalProblem& problem,
                                                      const BundleConfig& config,
                                                      const BundleOptions& options);
@@ -26,12 +27,13 @@ class ReprojectionProblem {
 
   ceres::Problem& ceres_problem() { return *ceres_; }
 
-  /// Parameter blocks in the order camera 0's pose and intrinsics, camera 1's …, points. Blocks that no
-  /// observation uses are left out.
+  /// Parameter blocks in the order camera 0's pose and intrinsics, camera 1's …, points. Blocks
+  /// that no observation uses are left out.
   const std::vector<double*>& blocks() const { return blocks_; }
   const std::vector<double*>& point_blocks() const { return point_blocks_; }
 
-  /// Writes the current state into `problem`; blocks that still hold their first bits are left alone.
+  /// Writes the current state into `problem`; blocks that still hold their first bits are left
+  /// alone.
   virtual void write_back(BalProblem& problem) const = 0;
 
  protected:

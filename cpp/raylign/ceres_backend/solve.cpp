@@ -16,10 +16,12 @@
 namespace raylign::ceres_backend {
 namespace {
 
-// COLMAP's rule: a dense S up to 50 cameras, a sparse factor up to 1000, conjugate gradients beyond.
+// COLMAP's rule: a dense S up to 50 cameras, a sparse factor up to 1000, conjugate gradients
+// beyond.
 constexpr std::int64_t kMaxCamerasDense = 50;
 constexpr std::int64_t kMaxCamerasSparse = 1000;
-// Ceres allocates J and JᵀJ as dense matrices for dense_normal_cholesky; past this the machine would swap.
+// Ceres allocates J and JᵀJ as dense matrices for dense_normal_cholesky; past this the machine
+// would swap.
 constexpr double kMaxDenseBytes = 8e9;
 
 struct SolverChoice {
@@ -34,7 +36,8 @@ SolverChoice choose_linear_solver(LinearSolverType requested, std::int64_t num_c
     return {LinearSolverType::DENSE_SCHUR, "auto: " + count + " <= 50, so a dense S is cheapest"};
   }
   if (num_cameras <= kMaxCamerasSparse) {
-    return {LinearSolverType::SPARSE_SCHUR, "auto: 50 < " + count + " <= 1000, so S is factored sparsely"};
+    return {LinearSolverType::SPARSE_SCHUR,
+            "auto: 50 < " + count + " <= 1000, so S is factored sparsely"};
   }
   return {LinearSolverType::ITERATIVE_SCHUR, "auto: " + count + " > 1000, so S is not factored"};
 }
@@ -58,16 +61,16 @@ void set_ordering(ReprojectionProblem& problem, ceres::Solver::Options& options)
   options.linear_solver_ordering = ordering;
 }
 
-// Empty when every residual is finite; else which observation is not, and why. Asked before Ceres sees a
-// number: it aborts the process on NaN parameters.
+// Empty when every residual is finite; else which observation is not, and why. Asked before Ceres
+// sees a number: it aborts the process on NaN parameters.
 std::string describe_invalid_start(const BalProblem& problem) {
   const auto residuals = reprojection_residuals(problem);
   for (std::int64_t i = 0; i < problem.num_observations(); ++i) {
     if (std::isfinite(residuals.row(i).squaredNorm())) continue;
     return "the start is invalid: observation " + std::to_string(i) + " (camera " +
            std::to_string(problem.camera_index[i]) + ", point " +
-           std::to_string(problem.point_index[i]) + ") has no finite reprojection error; its depth is " +
-           format_double(depths(problem)[i]);
+           std::to_string(problem.point_index[i]) +
+           ") has no finite reprojection error; its depth is " + format_double(depths(problem)[i]);
   }
   return "";
 }
@@ -109,7 +112,9 @@ void ensure_first_row(Summary& summary, int num_residual_blocks) {
 
 }  // namespace
 
-Summary solve(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+Summary solve(BalProblem& problem,
+              const BundleConfig& config,
+              const BundleOptions& options,
               const IterationCallback& callback) {
   if (problem.num_observations() == 0) return nothing_to_do();
   const Stopwatch stopwatch;
@@ -147,7 +152,8 @@ Summary solve(BalProblem& problem, const BundleConfig& config, const BundleOptio
   return summary;
 }
 
-Linearization linearize(const BalProblem& problem, const BundleConfig& config,
+Linearization linearize(const BalProblem& problem,
+                        const BundleConfig& config,
                         const BundleOptions& options) {
   const ScopedGlogSilence silence;
   const std::string invalid = describe_invalid_start(problem);
@@ -166,7 +172,8 @@ Linearization linearize(const BalProblem& problem, const BundleConfig& config,
   // An empty list would mean "all blocks" to Ceres, held ones included.
   const bool any_free = !evaluate.parameter_blocks.empty();
   built->ceres_problem().Evaluate(evaluate, &out.cost, &out.residuals,
-                                  any_free ? &out.gradient : nullptr, any_free ? &jacobian : nullptr);
+                                  any_free ? &out.gradient : nullptr,
+                                  any_free ? &jacobian : nullptr);
   out.num_columns = any_free ? jacobian.num_cols : 0;
   out.row_starts.assign(jacobian.rows.begin(), jacobian.rows.end());
   out.columns.assign(jacobian.cols.begin(), jacobian.cols.end());

@@ -10,13 +10,16 @@
 
 namespace raylign::ceres_backend {
 
-/// Solves through Ceres. Arguments validated by the caller (bundle/bundle_adjuster.h), which is the front
-/// door; the contract is the same.
-Summary solve(BalProblem& problem, const BundleConfig& config, const BundleOptions& options,
+/// Solves through Ceres. Arguments validated by the caller (bundle/bundle_adjuster.h), which is the
+/// front door; the contract is the same.
+Summary solve(BalProblem& problem,
+              const BundleConfig& config,
+              const BundleOptions& options,
               const IterationCallback& callback);
 
 /// Cost, gradient and sparse Jacobian at the current state.
-Linearization linearize(const BalProblem& problem, const BundleConfig& config,
+Linearization linearize(const BalProblem& problem,
+                        const BundleConfig& config,
                         const BundleOptions& options);
 
 }  // namespace raylign::ceres_backend

@@ -9,37 +9,49 @@ namespace {
 
 ceres::LinearSolverType to_ceres(LinearSolverType type) {
   switch (type) {
-    case LinearSolverType::DENSE_NORMAL_CHOLESKY: return ceres::DENSE_NORMAL_CHOLESKY;
-    case LinearSolverType::SPARSE_SCHUR: return ceres::SPARSE_SCHUR;
-    case LinearSolverType::ITERATIVE_SCHUR: return ceres::ITERATIVE_SCHUR;
+    case LinearSolverType::DENSE_NORMAL_CHOLESKY:
+      return ceres::DENSE_NORMAL_CHOLESKY;
+    case LinearSolverType::SPARSE_SCHUR:
+      return ceres::SPARSE_SCHUR;
+    case LinearSolverType::ITERATIVE_SCHUR:
+      return ceres::ITERATIVE_SCHUR;
     case LinearSolverType::DENSE_SCHUR:
-    case LinearSolverType::AUTO: break;  // AUTO is resolved before
+    case LinearSolverType::AUTO:
+      break;  // AUTO is resolved before
   }
   return ceres::DENSE_SCHUR;
 }
 
 ceres::PreconditionerType to_ceres(Preconditioner preconditioner) {
   switch (preconditioner) {
-    case Preconditioner::IDENTITY: return ceres::IDENTITY;
-    case Preconditioner::JACOBI: return ceres::JACOBI;
-    case Preconditioner::CLUSTER_JACOBI: return ceres::CLUSTER_JACOBI;
-    case Preconditioner::CLUSTER_TRIDIAGONAL: return ceres::CLUSTER_TRIDIAGONAL;
-    case Preconditioner::SCHUR_JACOBI: break;
+    case Preconditioner::IDENTITY:
+      return ceres::IDENTITY;
+    case Preconditioner::JACOBI:
+      return ceres::JACOBI;
+    case Preconditioner::CLUSTER_JACOBI:
+      return ceres::CLUSTER_JACOBI;
+    case Preconditioner::CLUSTER_TRIDIAGONAL:
+      return ceres::CLUSTER_TRIDIAGONAL;
+    case Preconditioner::SCHUR_JACOBI:
+      break;
   }
   return ceres::SCHUR_JACOBI;
 }
 
 Termination to_termination(const ceres::Solver::Summary& summary, const LmOptions& options) {
   switch (summary.termination_type) {
-    case ceres::CONVERGENCE: return Termination::CONVERGENCE;
+    case ceres::CONVERGENCE:
+      return Termination::CONVERGENCE;
     case ceres::NO_CONVERGENCE: {
       const int last = summary.iterations.empty() ? 0 : summary.iterations.back().iteration;
       return last >= options.max_num_iterations ? Termination::MAX_ITERATIONS
                                                 : Termination::TIME_LIMIT;
     }
-    case ceres::USER_SUCCESS: return Termination::USER_STOPPED;
+    case ceres::USER_SUCCESS:
+      return Termination::USER_STOPPED;
     case ceres::USER_FAILURE:
-    case ceres::FAILURE: break;
+    case ceres::FAILURE:
+      break;
   }
   return Termination::FAILURE;
 }
@@ -70,7 +82,8 @@ ceres::Solver::Options to_ceres(const BundleOptions& options) {
   out.use_explicit_schur_complement = options.linear_solver.explicit_schur;
   out.max_linear_solver_iterations = options.linear_solver.max_num_iterations;
   out.eta = options.linear_solver.forcing_tolerance;
-  out.dense_linear_algebra_library_type = ceres::LAPACK;  // OpenBLAS; Debian's Eigen kernels are SSE2
+  out.dense_linear_algebra_library_type =
+      ceres::LAPACK;  // OpenBLAS; Debian's Eigen kernels are SSE2
   out.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   out.logging_type = ceres::SILENT;
   out.minimizer_progress_to_stdout = false;

@@ -19,14 +19,18 @@ ceres::Solver::Options to_ceres(const BundleOptions& options);
 /// iterations and the step counts are the caller's.
 Summary from_ceres(const ceres::Solver::Summary& summary, const LmOptions& options);
 
-/// Turns Ceres' iterations into ours, keeps them, and asks the user's callback. An exception from the
-/// callback stops the solve and waits in pending_exception(): it must not pass through Ceres.
+/// Turns Ceres' iterations into ours, keeps them, and asks the user's callback. An exception from
+/// the callback stops the solve and waits in pending_exception(): it must not pass through Ceres.
 class CallbackBridge final : public ceres::IterationCallback {
  public:
-  /// @param time_before_s seconds spent before Ceres was called: our cumulative time counts from the call
-  CallbackBridge(const raylign::IterationCallback& callback, int num_residual_blocks,
+  /// @param time_before_s seconds spent before Ceres was called: our cumulative time counts from
+  /// the call
+  CallbackBridge(const raylign::IterationCallback& callback,
+                 int num_residual_blocks,
                  double time_before_s)
-      : callback_(callback), num_residual_blocks_(num_residual_blocks), time_before_s_(time_before_s) {}
+      : callback_(callback),
+        num_residual_blocks_(num_residual_blocks),
+        time_before_s_(time_before_s) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
 

@@ -17,6 +17,19 @@ Matrix3 polynomial(const Vector3& omega, double a, double b, double c) {
   return m;
 }
 
+struct Coefficients {
+  double c1;  // sin θ / θ
+  double c2;  // (1 − cos θ) / θ²
+};
+
+// 1 − cos θ = 2 sin²(θ/2) does not cancel, so no series is needed near 0.
+Coefficients exp_coefficients(double theta_squared) {
+  const double theta = std::sqrt(theta_squared);
+  if (theta == 0.0) return {1.0, 0.5};
+  const double half_sine = std::sin(theta / 2.0) / theta;
+  return {std::sin(theta) / theta, 2.0 * half_sine * half_sine};
+}
+
 }  // namespace
 
 Matrix3 so3_hat(const Vector3& omega) {
@@ -33,12 +46,17 @@ Vector3 so3_vee(const Matrix3& omega_hat) {
 }
 
 Matrix3 so3_exp(const Vector3& omega) {
+  const Coefficients c = exp_coefficients(omega.squaredNorm());
+  return polynomial(omega, 1.0, c.c1, c.c2);
+}
+
+Matrix3 so3_exp_and_left_jacobian(const Vector3& omega, Matrix3& J_left) {
   const double theta_squared = omega.squaredNorm();
-  const double theta = std::sqrt(theta_squared);
-  if (theta == 0.0) return polynomial(omega, 1.0, 1.0, 0.5);
-  // 1 − cos θ = 2 sin²(θ/2) does not cancel, so no series is needed near 0.
-  const double half_sine = std::sin(theta / 2.0) / theta;
-  return polynomial(omega, 1.0, std::sin(theta) / theta, 2.0 * half_sine * half_sine);
+  const Coefficients c = exp_coefficients(theta_squared);
+  // 1 − c1 cancels near 0, but c3 only ever meets ([ω]×)² ~ θ²: the product is off by one ulp of J.
+  const double c3 = theta_squared > 0.0 ? (1.0 - c.c1) / theta_squared : 0.0;
+  J_left = polynomial(omega, 1.0, c.c2, c3);
+  return polynomial(omega, 1.0, c.c1, c.c2);
 }
 
 Vector3 so3_log(const Matrix3& R) { return quaternion_log(quaternion_from_matrix(R)); }

@@ -15,6 +15,8 @@ Vector3 so3_vee(const Matrix3& omega_hat);
 
 /// Rodrigues' formula; full accuracy for every ‖ω‖, zero included.
 Matrix3 so3_exp(const Vector3& omega);
+/// The same with J_left = so3_left_jacobian(ω) from the same sine and cosine: for inner loops.
+Matrix3 so3_exp_and_left_jacobian(const Vector3& omega, Matrix3& J_left);
 /// ω with ‖ω‖ <= π. At ‖ω‖ = π, where ω and −ω are the same rotation, either may come back.
 /// A matrix that is off SO(3) by ε gives a rotation vector off by O(ε).
 Vector3 so3_log(const Matrix3& R);

@@ -7,17 +7,21 @@
 
 namespace raylign {
 
-/// Reprojection residual of the BAL camera, predicted − observed, and its two inner Jacobians. The only
-/// definition of this residual: Ceres functors, native kernels, statistics and tests all call it.
+/// Reprojection residual of the BAL camera, predicted − observed, and its two inner Jacobians. The
+/// only definition of this residual: Ceres functors, native kernels, statistics and tests all call
+/// it.
 ///
-/// @param p_c         point in the camera frame; any positive or negative multiple of it gives the same pixel,
+/// @param p_c         point in the camera frame; any positive or negative multiple of it gives the
+/// same pixel,
 ///                    so homogeneous points pass R x̄ + w t
 /// @param intrinsics  (f, k1, k2)
 /// @param J_p         ∂r/∂p_c, 2×3, optional
 /// @param J_intrinsics ∂r/∂(f, k1, k2), 2×3, optional
 /// @return false when the point lies in the camera's plane or the result is not finite
-inline bool reprojection_residual(const Vector3& p_c, const Vector3& intrinsics,
-                                  const Vector2& observed, Vector2& residual,
+inline bool reprojection_residual(const Vector3& p_c,
+                                  const Vector3& intrinsics,
+                                  const Vector2& observed,
+                                  Vector2& residual,
                                   RowMajor<2, 3>* J_p = nullptr,
                                   RowMajor<2, 3>* J_intrinsics = nullptr) {
   const BalCamera camera(intrinsics[0], intrinsics[1], intrinsics[2]);
@@ -27,7 +31,8 @@ inline bool reprojection_residual(const Vector3& p_c, const Vector3& intrinsics,
 }
 
 /// ∂r/∂ξ, 2×6, for the left perturbation T_cw ← exp(ξ) T_cw, ξ = [υ; ω], of p_c = R_cw x̄ + w t_cw:
-/// ∂p_c/∂ξ = [w I | −[p_c]×]. The 2×6 Jacobian of the exercise (there e = observed − predicted: minus this).
+/// ∂p_c/∂ξ = [w I | −[p_c]×]. The 2×6 Jacobian of the exercise (there e = observed − predicted:
+/// minus this).
 inline RowMajor<2, 6> pose_jacobian(const RowMajor<2, 3>& J_p, const Vector3& p_c, double w = 1.0) {
   RowMajor<2, 6> J;
   J.leftCols<3>() = w * J_p;

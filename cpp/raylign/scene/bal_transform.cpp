@@ -22,9 +22,10 @@ struct Similarity {
 };
 
 Similarity split_similarity(const Matrix4& S) {
-  const double scale = std::cbrt(S.topLeftCorner<3, 3>().determinant());
+  const double scale = S.col(0).head<3>().stableNorm();  // no overflow at 1e200
   const Matrix3 R = S.topLeftCorner<3, 3>() / scale;
-  const bool valid = S.allFinite() && scale > 0.0 && S.row(3) == Vector4::UnitW().transpose() &&
+  const bool valid = S.allFinite() && R.determinant() > 0.0 &&
+                     S.row(3) == Vector4::UnitW().transpose() &&
                      (R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-9;
   if (!valid) throw ShapeError("not a similarity: the matrix must be [s R, t; 0 0 0 1] with s > 0");
   return {scale, R, S.topRightCorner<3, 1>()};
@@ -101,7 +102,10 @@ NormalizedProblem normalize(const BalProblem& problem, double extent) {
   }
   NormalizedProblem result{{}, Matrix4::Identity()};
   const SceneExtent scene = scene_extent(problem);
-  const double scale = scene.deviation > 0.0 ? extent / scene.deviation : 1.0;
+  double scale = extent / scene.deviation;
+  const bool scales =
+      std::isnormal(scale) && std::isnormal(1.0 / scale) && (scale * scene.center).allFinite();
+  if (!scales) scale = 1.0;  // no extent, or one near the limits of double
   result.S_nw.topLeftCorner<3, 3>() *= scale;
   result.S_nw.topRightCorner<3, 1>() = -scale * scene.center;
   result.problem = transform(problem, result.S_nw);

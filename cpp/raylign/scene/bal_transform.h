@@ -34,8 +34,9 @@ struct NormalizedProblem {
 
 /// Moves the coordinate-wise median of the points to the origin and scales the median L1 distance
 /// from it to `extent`, as BAL's reference code does (Agarwal et al. 2010; Ceres' bal_problem.cc).
-/// The way back is exact to rounding, not to the bit. A scene without points, or with all points in
-/// one place, is only moved. Throws OptionsError if extent is not finite and > 0.
+/// The way back is exact to rounding, not to the bit. A scene without extent, or with
+/// one beyond the range of double, is only moved. Throws OptionsError if extent is not finite and >
+/// 0.
 NormalizedProblem normalize(const BalProblem& problem, double extent = 100.0);
 
 /// Optical centres c_w = −R_cwᵀ t_cw, (C, 3) world frame.

@@ -13,14 +13,19 @@ using Names = std::array<const char*, 4>;
 
 Names coordinate_names(ParameterKind kind) {
   switch (kind) {
-    case ParameterKind::POSE: return {"tx", "ty", "tz", "rotation"};
-    case ParameterKind::INTRINSICS: return {"f", "k1", "k2", nullptr};
-    case ParameterKind::POINT: return {"x", "y", "z", nullptr};
+    case ParameterKind::POSE:
+      return {"tx", "ty", "tz", "rotation"};
+    case ParameterKind::INTRINSICS:
+      return {"f", "k1", "k2", nullptr};
+    case ParameterKind::POINT:
+      return {"x", "y", "z", nullptr};
   }
   return {};
 }
 
-void check_indices(const std::vector<std::int32_t>& indices, const char* field, std::int64_t count) {
+void check_indices(const std::vector<std::int32_t>& indices,
+                   const char* field,
+                   std::int64_t count) {
   for (const std::int32_t index : indices) {
     if (index < 0 || index >= count) {
       throw OptionsError(std::string("BundleConfig.") + field + " must hold indices in [0, " +
@@ -56,18 +61,24 @@ void BundleConfig::validate(std::int64_t num_cameras, std::int64_t num_points) c
 
 std::string to_string(Gauge gauge) {
   switch (gauge) {
-    case Gauge::FREE: return "free";
-    case Gauge::FIRST_CAMERA: return "first_camera";
-    case Gauge::TWO_CAMERAS: return "two_cameras";
+    case Gauge::FREE:
+      return "free";
+    case Gauge::FIRST_CAMERA:
+      return "first_camera";
+    case Gauge::TWO_CAMERAS:
+      return "two_cameras";
   }
   return "unknown";
 }
 
 std::string to_string(ParameterKind kind) {
   switch (kind) {
-    case ParameterKind::POSE: return "pose";
-    case ParameterKind::INTRINSICS: return "intrinsics";
-    case ParameterKind::POINT: return "point";
+    case ParameterKind::POSE:
+      return "pose";
+    case ParameterKind::INTRINSICS:
+      return "intrinsics";
+    case ParameterKind::POINT:
+      return "point";
   }
   return "unknown";
 }

@@ -40,8 +40,8 @@ struct BundleConfig {
   void validate(std::int64_t num_cameras, std::int64_t num_points) const;
 };
 
-/// Offset of a named coordinate in its block: tx ty tz rotation → 0..3, f k1 k2 → 0..2, x y z → 0..2.
-/// Throws OptionsError for a name that the kind does not have.
+/// Offset of a named coordinate in its block: tx ty tz rotation → 0..3, f k1 k2 → 0..2, x y z →
+/// 0..2. Throws OptionsError for a name that the kind does not have.
 int coordinate_offset(ParameterKind kind, const std::string& coordinate);
 
 std::string to_string(Gauge gauge);

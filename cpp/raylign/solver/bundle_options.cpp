@@ -12,25 +12,32 @@ void BundleOptions::validate() const {
 
 std::string to_string(Backend backend) {
   switch (backend) {
-    case Backend::CERES: return "ceres";
+    case Backend::CERES:
+      return "ceres";
   }
   return "unknown";
 }
 
 std::string to_string(PoseParametrization parametrization) {
   switch (parametrization) {
-    case PoseParametrization::SE3: return "se3";
-    case PoseParametrization::QUATERNION: return "quaternion";
-    case PoseParametrization::ANGLE_AXIS: return "angle_axis";
+    case PoseParametrization::SE3:
+      return "se3";
+    case PoseParametrization::QUATERNION:
+      return "quaternion";
+    case PoseParametrization::ANGLE_AXIS:
+      return "angle_axis";
   }
   return "unknown";
 }
 
 std::string to_string(PointParametrization parametrization) {
   switch (parametrization) {
-    case PointParametrization::XYZ: return "xyz";
-    case PointParametrization::HOMOGENEOUS: return "homogeneous";
-    case PointParametrization::INVERSE_DEPTH: return "inverse_depth";
+    case PointParametrization::XYZ:
+      return "xyz";
+    case PointParametrization::HOMOGENEOUS:
+      return "homogeneous";
+    case PointParametrization::INVERSE_DEPTH:
+      return "inverse_depth";
   }
   return "unknown";
 }

@@ -11,8 +11,8 @@ namespace raylign {
 
 enum class Backend { CERES };
 
-/// How a camera pose moves. The cost, the optimum and the undamped Gauss-Newton step are the same for all;
-/// the damped trajectory is not.
+/// How a camera pose moves. The cost, the optimum and the undamped Gauss-Newton step are the same
+/// for all; the damped trajectory is not.
 enum class PoseParametrization {
   SE3,         ///< T_cw ← exp(ξ) T_cw, ξ = [υ; ω]: left perturbation
   QUATERNION,  ///< q ← exp(ω) q, t ← t + δt

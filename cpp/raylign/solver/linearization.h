@@ -7,9 +7,10 @@
 
 namespace raylign {
 
-/// A least-squares problem linearised at its current state: r(x ⊞ δ) ≈ r + J δ, with the robust weights
-/// applied to r and J (IRLS). Rows: two per observation, in the problem's order. Columns: the tangent of
-/// each free block, camera by camera (pose, then intrinsics), then point by point; held coordinates have none.
+/// A least-squares problem linearised at its current state: r(x ⊞ δ) ≈ r + J δ, with the robust
+/// weights applied to r and J (IRLS). Rows: two per observation, in the problem's order. Columns:
+/// the tangent of each free block, camera by camera (pose, then intrinsics), then point by point;
+/// held coordinates have none.
 struct Linearization {
   double cost = -1.0;             ///< ½ Σ ρ(‖r‖²)
   std::vector<double> residuals;  ///< (2N,) weighted

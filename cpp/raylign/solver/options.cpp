@@ -8,10 +8,14 @@ namespace raylign {
 
 // Every comparison is written so that NaN fails it.
 void LmOptions::validate() const {
-  require_option(max_num_iterations >= 0, "LmOptions.max_num_iterations", ">= 0", max_num_iterations);
-  require_option(max_solver_time_s > 0, "LmOptions.max_solver_time_s", "> 0 (s)", max_solver_time_s);
-  require_option(function_tolerance >= 0, "LmOptions.function_tolerance", ">= 0", function_tolerance);
-  require_option(gradient_tolerance >= 0, "LmOptions.gradient_tolerance", ">= 0", gradient_tolerance);
+  require_option(max_num_iterations >= 0, "LmOptions.max_num_iterations", ">= 0",
+                 max_num_iterations);
+  require_option(max_solver_time_s > 0, "LmOptions.max_solver_time_s", "> 0 (s)",
+                 max_solver_time_s);
+  require_option(function_tolerance >= 0, "LmOptions.function_tolerance", ">= 0",
+                 function_tolerance);
+  require_option(gradient_tolerance >= 0, "LmOptions.gradient_tolerance", ">= 0",
+                 gradient_tolerance);
   require_option(parameter_tolerance >= 0, "LmOptions.parameter_tolerance", ">= 0",
                  parameter_tolerance);
   require_option(min_lambda > 0, "LmOptions.min_lambda", "> 0", min_lambda);
@@ -42,7 +46,8 @@ void LinearSolverOptions::validate() const {
       preconditioner == Preconditioner::SCHUR_JACOBI;
   if (explicit_schur && !explicit_possible) {
     throw OptionsError(
-        "LinearSolverOptions.explicit_schur needs type ITERATIVE_SCHUR with preconditioner SCHUR_JACOBI");
+        "LinearSolverOptions.explicit_schur needs type ITERATIVE_SCHUR with preconditioner "
+        "SCHUR_JACOBI");
   }
 }
 

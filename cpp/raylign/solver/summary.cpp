@@ -26,8 +26,8 @@ bool Summary::is_usable() const {
 
 std::string Summary::brief_report() const {
   return format("%s: cost %.6e -> %.6e, %d accepted and %d rejected steps, %.3f s",
-                to_string(termination).c_str(), initial_cost, final_cost, num_accepted, num_rejected,
-                total_time_s);
+                to_string(termination).c_str(), initial_cost, final_cost, num_accepted,
+                num_rejected, total_time_s);
 }
 
 std::string Summary::full_report() const {
@@ -53,34 +53,50 @@ std::string Summary::full_report() const {
 
 std::string to_string(Termination termination) {
   switch (termination) {
-    case Termination::NOT_RUN: return "not_run";
-    case Termination::CONVERGENCE: return "convergence";
-    case Termination::MAX_ITERATIONS: return "max_iterations";
-    case Termination::TIME_LIMIT: return "time_limit";
-    case Termination::USER_STOPPED: return "user_stopped";
-    case Termination::FAILURE: return "failure";
+    case Termination::NOT_RUN:
+      return "not_run";
+    case Termination::CONVERGENCE:
+      return "convergence";
+    case Termination::MAX_ITERATIONS:
+      return "max_iterations";
+    case Termination::TIME_LIMIT:
+      return "time_limit";
+    case Termination::USER_STOPPED:
+      return "user_stopped";
+    case Termination::FAILURE:
+      return "failure";
   }
   return "unknown";
 }
 
 std::string to_string(LinearSolverType type) {
   switch (type) {
-    case LinearSolverType::AUTO: return "auto";
-    case LinearSolverType::DENSE_NORMAL_CHOLESKY: return "dense_normal_cholesky";
-    case LinearSolverType::DENSE_SCHUR: return "dense_schur";
-    case LinearSolverType::SPARSE_SCHUR: return "sparse_schur";
-    case LinearSolverType::ITERATIVE_SCHUR: return "iterative_schur";
+    case LinearSolverType::AUTO:
+      return "auto";
+    case LinearSolverType::DENSE_NORMAL_CHOLESKY:
+      return "dense_normal_cholesky";
+    case LinearSolverType::DENSE_SCHUR:
+      return "dense_schur";
+    case LinearSolverType::SPARSE_SCHUR:
+      return "sparse_schur";
+    case LinearSolverType::ITERATIVE_SCHUR:
+      return "iterative_schur";
   }
   return "unknown";
 }
 
 std::string to_string(Preconditioner preconditioner) {
   switch (preconditioner) {
-    case Preconditioner::IDENTITY: return "identity";
-    case Preconditioner::JACOBI: return "jacobi";
-    case Preconditioner::SCHUR_JACOBI: return "schur_jacobi";
-    case Preconditioner::CLUSTER_JACOBI: return "cluster_jacobi";
-    case Preconditioner::CLUSTER_TRIDIAGONAL: return "cluster_tridiagonal";
+    case Preconditioner::IDENTITY:
+      return "identity";
+    case Preconditioner::JACOBI:
+      return "jacobi";
+    case Preconditioner::SCHUR_JACOBI:
+      return "schur_jacobi";
+    case Preconditioner::CLUSTER_JACOBI:
+      return "cluster_jacobi";
+    case Preconditioner::CLUSTER_TRIDIAGONAL:
+      return "cluster_tridiagonal";
   }
   return "unknown";
 }

@@ -20,7 +20,8 @@ enum class Termination {
   FAILURE,         ///< no finite step could be made; the state is the one before the failure
 };
 
-/// One row per iteration; row 0 is the starting point. Plain data: a NumPy structured array in Python.
+/// One row per iteration; row 0 is the starting point. Plain data: a NumPy structured array in
+/// Python.
 struct IterationSummary {
   std::int32_t iteration = -1;
   std::int32_t linear_solver_iterations = 0;  ///< 0 for direct solvers at row 0, else >= 1.
@@ -35,14 +36,16 @@ struct IterationSummary {
   double lambda = -1.0;             ///< damping used for the next step
   double linear_solver_time_s = 0.0;
   double iteration_time_s = 0.0;
-  double cumulative_time_s = 0.0;   ///< since the call, preprocessing included
+  double cumulative_time_s = 0.0;  ///< since the call, preprocessing included
 };
 
 enum class CallbackAction { CONTINUE, STOP };
-/// Called after each iteration (row 0 included). STOP ends the solve with USER_STOPPED and the best state.
+/// Called after each iteration (row 0 included). STOP ends the solve with USER_STOPPED and the best
+/// state.
 using IterationCallback = std::function<CallbackAction(const IterationSummary&)>;
 
-/// What a solve did. The same struct from every engine. Impossible values until a solver fills them.
+/// What a solve did. The same struct from every engine. Impossible values until a solver fills
+/// them.
 struct Summary {
   Termination termination = Termination::NOT_RUN;
   std::string message = "the solver was not called";
@@ -54,7 +57,7 @@ struct Summary {
   int num_residuals = 0;             ///< scalar residuals
   int num_effective_parameters = 0;  ///< tangent dimension of everything that may move
   LinearSolverType linear_solver = LinearSolverType::AUTO;  ///< what ran (never AUTO after a solve)
-  std::string linear_solver_reason;  ///< why AUTO picked it, or "requested"
+  std::string linear_solver_reason;                         ///< why AUTO picked it, or "requested"
   int num_threads = 0;
   bool deterministic = false;  ///< same input, same bits, on this machine
   double preprocessor_time_s = 0.0;

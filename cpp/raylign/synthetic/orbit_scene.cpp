@@ -60,10 +60,10 @@ Vector3 radial(double phi) {
   return Vector3(c, s, 0.0);
 }
 
-void set_revolved(
-    ScenePoint& point, const Vector3& out, double r, double z, double n_r, double n_z) {
-  point.position = r * out + z * Vector3::UnitZ();
-  point.normal = (n_r * out + n_z * Vector3::UnitZ()).normalized();
+// Cylindrical (r, z) of position and normal, in the half plane through the z axis and `out`.
+void set_revolved(ScenePoint& point, const Vector3& out, const Vector2& rz, const Vector2& n_rz) {
+  point.position = rz.x() * out + rz.y() * Vector3::UnitZ();
+  point.normal = (n_rz.x() * out + n_rz.y() * Vector3::UnitZ()).normalized();
 }
 
 void sample_ring(double phi, RandomStream& random, ScenePoint& point) {
@@ -74,8 +74,9 @@ void sample_ring(double phi, RandomStream& random, ScenePoint& point) {
     tau = tau < 0.5 ? 0.0 : 1.0;
     phi = 3.0 * kDegree * std::floor(phi / (3.0 * kDegree));
   }
-  set_revolved(point, radial(phi), ring.r0 + tau * (ring.r1 - ring.r0),
-               ring.z0 + tau * (ring.z1 - ring.z0), ring.z1 - ring.z0, ring.r0 - ring.r1);
+  const Vector2 way(ring.r1 - ring.r0, ring.z1 - ring.z0);
+  set_revolved(point, radial(phi), Vector2(ring.r0, ring.z0) + tau * way,
+               Vector2(way.y(), -way.x()));
   point.color = shade(ring.color, 1.0, random);
 }
 
@@ -93,7 +94,7 @@ void sample_wall(double phi, RandomStream& random, ScenePoint& point) {
     z = random.uniform(low, high);
   }
   const bool glass = in_cell > 0.31 && in_cell < 0.69 && z > low && z < high;
-  set_revolved(point, radial(phi), kWallRadius - (glass ? 0.25 : 0.0), z, 1.0, 0.0);
+  set_revolved(point, radial(phi), {kWallRadius - (glass ? 0.25 : 0.0), z}, {1.0, 0.0});
   point.color = shade(glass ? kGlass : (drum ? kLightStone : kPlaster), 1.0, random);
 }
 
@@ -114,8 +115,9 @@ void sample_dome(double phi, RandomStream& random, ScenePoint& point) {
   const bool rib = random.uniform() < 0.5;
   if (rib) phi = pitch * std::floor(phi / pitch) + (random.uniform() < 0.5 ? 0.02 : -0.02);
   const auto [s, c] = portable::sincos(0.5 * kPi * 0.9 * random.uniform());
-  set_revolved(point, radial(phi), (kDomeRadius + (rib ? 0.12 : 0.0)) * c,
-               kDrumTop + kDomeHeight * s, kDomeHeight * c, kDomeRadius * s);
+  set_revolved(point, radial(phi),
+               {(kDomeRadius + (rib ? 0.12 : 0.0)) * c, kDrumTop + kDomeHeight * s},
+               {kDomeHeight * c, kDomeRadius * s});
   point.color = shade(rib ? kRib : kCopper, 0.9 + 0.2 * s, random);
 }
 

@@ -18,7 +18,7 @@ constexpr double kHalfWidth = StreetRoute::kHalfWidth;
 constexpr double kCurb = 4.0;            // centre line to pavement, m
 constexpr double kBuildingWidth = 14.0;  // m
 constexpr double kFloor = 3.2;           // storey height, m
-constexpr double kTowerSetback = 45.0;   // facade line to the second row, m
+constexpr double kTowerSetback = 30.0;   // facade line to the second row, m
 constexpr double kTowerWidth = 28.0;     // m
 constexpr double kTreePitch = 9.0;       // m
 constexpr double kGardenWall = 1.8;      // m
@@ -236,7 +236,9 @@ bool StreetScene::sample_tower(const Ray& ray, RandomStream& random, ScenePoint&
   const double height = ray.origin.z() + t * ray.direction.z();
   const auto number = static_cast<std::int64_t>(std::floor(along / kTowerWidth));
   const std::uint32_t style = hash_cell(ray.segment, side, number + 3000017);
-  if (style % 5 < 2 || height > 30.0 + style % 35) return false;  // a gap, or above the roof
+  if (style % 5 < 2) return false;  // a gap
+  if (height < 0.0 || height > 30.0 + style % 35) return false;
+  if (along < -kTowerWidth || along > s.length + kTowerWidth) return false;
   point.position = to_world(ray.segment, snap(along, 3.5, 0.5, 3.0, random), across,
                             snap(height, 3.5, 0.7, 2.8, random));
   point.normal = Vector3(-side * s.left.x(), -side * s.left.y(), 0.0);

@@ -16,6 +16,7 @@ from rich.progress import (
 )
 
 from raylign.cli._choices import LogStyle
+from raylign.cli._console import say
 
 # 79 characters with the mark of a rejected step: one line of the narrowest usual terminal.
 _COLUMNS = (  # heading, width, format, field
@@ -66,7 +67,7 @@ class SolveDisplay:
     def running(self) -> Iterator["SolveDisplay"]:
         """Show the bar while the solve runs; pipes and files get plain lines."""
         if self._log is LogStyle.TABLE:
-            self._console.print(table_header(), style="bold", highlight=False, soft_wrap=True)
+            say(self._console, table_header(), style="bold")
         if not self._console.is_terminal:
             yield self
             return
@@ -86,11 +87,10 @@ class SolveDisplay:
     def __call__(self, row: Any) -> None:
         """Print one iteration; None lets the solve go on."""
         if self._log is LogStyle.G2O:
-            self._console.print(g2o_line(row), markup=False, highlight=False, soft_wrap=True)
+            say(self._console, g2o_line(row))
         else:
             rejected = not row.step_is_accepted and row.iteration > 0
-            style = "red" if rejected else None
-            self._console.print(table_row(row), style=style, highlight=False, soft_wrap=True)
+            say(self._console, table_row(row), style="red" if rejected else None)
         if self._progress is not None:
             self._progress.update(self._task, completed=row.iteration)
 

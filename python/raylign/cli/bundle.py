@@ -11,6 +11,7 @@ import raylign.bundle as library
 from raylign.bundle import BundleConfig, BundleOptions, BundleResult, LmOptions, Termination
 from raylign.cli import _choices as choices
 from raylign.cli import _options as opt
+from raylign.cli._console import make_console, say
 from raylign.cli._errors import EXIT_INTERRUPTED
 from raylign.cli._files import (
     PLY_SUFFIXES,
@@ -128,8 +129,8 @@ def bundle(
         points=constant_points,
         coordinates=constant_coordinate or [],
     )
-    console = Console(quiet=quiet)
-    console.print(f"{problem.name}: {describe(before)}", highlight=False)
+    console = make_console(quiet=quiet)
+    say(console, f"{problem.name}: {describe(before)}")
     result = solve(before, config, options, console=console, log=log, normalize=normalize)
     finish(before, result, outputs, console, options=options, config=config, name=problem.name)
 
@@ -188,7 +189,7 @@ def finish(
         write_problem(before, outputs.ply_before)
     if outputs.ply_after is not None:
         write_problem(result.problem, outputs.ply_after)
-    console.print(summary.brief_report(), highlight=False, soft_wrap=True)
+    say(console, summary.brief_report())
     if outputs.report is not None:
         from raylign.viz import bundle_report  # matplotlib: only when pictures are wanted
 
@@ -199,14 +200,13 @@ def finish(
             )  # fmt: skip
     _say_where(outputs, console)
     if summary.termination is Termination.USER_STOPPED:
-        console.print("stopped by Ctrl-C: the best state so far is kept", style="yellow")
+        say(console, "stopped by Ctrl-C: the best state so far is kept", style="yellow")
         raise typer.Exit(EXIT_INTERRUPTED)
 
 
 def _say_where(outputs: Outputs, console: Console) -> None:
     for path in (outputs.problem, outputs.ply_before, outputs.ply_after):
         if path is not None:
-            console.print(f"wrote {path}", highlight=False, soft_wrap=True)
+            say(console, f"wrote {path}")
     if outputs.report is not None:
-        page = outputs.report / "index.html"
-        console.print(f"wrote {page} and its pictures", highlight=False, soft_wrap=True)
+        say(console, f"wrote {outputs.report / 'index.html'} and its pictures")

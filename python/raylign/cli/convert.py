@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from raylign.cli._choices import Duplicates
+from raylign.cli._console import make_console, say
 from raylign.cli._files import check_problem_target, read_problem, write_problem
 
 
@@ -26,4 +26,4 @@ def convert(
         f"wrote {target}: {problem.num_cameras} cameras, {problem.num_points} points, "
         f"{problem.num_observations} observations"
     )
-    Console(quiet=quiet).print(text, highlight=False, soft_wrap=True)
+    say(make_console(quiet=quiet), text)

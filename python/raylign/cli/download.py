@@ -7,6 +7,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from raylign.cli._console import make_console, say
 from raylign.cli._progress import byte_progress
 from raylign.datasets import bal_entries, fetch, find_bal
 from raylign.errors import OptionsError
@@ -25,7 +26,7 @@ def download(
     list_only: Annotated[bool, typer.Option("--list", help="List what there is and exit.")] = False,
 ) -> None:
     """Download BAL problems as text. A file that is not what the registry says is refused."""
-    console = Console()
+    console = make_console()
     if list_only:
         _print_list(console)
         return
@@ -34,7 +35,7 @@ def download(
     for entry in [find_bal(name) for name in names]:  # a wrong name stops before the first byte
         with byte_progress(console, entry.alias) as progress:
             path = fetch(entry.name, directory=output, mirror=mirror, progress=progress)
-        console.print(f"{entry.name}: checked, in {path}", highlight=False, soft_wrap=True)
+        say(console, f"{entry.name}: checked, in {path}")
 
 
 def _print_list(console: Console) -> None:

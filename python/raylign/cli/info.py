@@ -4,10 +4,10 @@ import json
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from raylign._build_info import build_info
+from raylign.cli._console import make_console
 
 
 def info(
@@ -23,7 +23,7 @@ def info(
     table.add_column(overflow="fold")
     for name, value in _rows(facts):
         table.add_row(name, value)
-    Console(highlight=False).print(table)
+    make_console().print(table)
 
 
 def _rows(facts: dict[str, Any]) -> list[tuple[str, str]]:

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from raylign import synthetic
+from raylign.cli._console import make_console, say
 from raylign.cli._files import BAL_SUFFIXES, check_problem_target
 from raylign.cli._progress import count_progress
 
@@ -32,12 +32,12 @@ def bal(*, output: Path, truth: Path | None, quiet: bool, **fields: Any) -> None
     options = synthetic.BalOptions(
         **{name: _library_value(value, getattr(defaults, name)) for name, value in fields.items()}
     )
-    console = Console(quiet=quiet)
+    console = make_console(quiet=quiet)
     with count_progress(console, "writing") as progress:
         synthetic.write_bal(output, options=options, truth_path=truth, progress=progress)
     for path in (output, truth):
         if path is not None:
-            console.print(f"wrote {path}", highlight=False, soft_wrap=True)
+            say(console, f"wrote {path}")
 
 
 def _library_value(value: Any, default: Any) -> Any:

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from raylign import _core
-from raylign._typing import PathLike
+from raylign._typing import U8, PathLike
 from raylign.errors import OptionsError, ShapeError
 from raylign.io._streams import path_or_stream
 from raylign.scene import BalProblem
@@ -60,7 +60,7 @@ def write_ply(
         ShapeError: `colors` is not (P, 3), or the arrays of `problem` disagree.
         FormatError: the target cannot be written.
     """
-    target = path_or_stream(path)  # type: ignore[arg-type]
+    target = path_or_stream(path)
     if not isinstance(target, str):
         raise TypeError("write_ply needs a path")
     if camera_scale is not None and not 0.0 < camera_scale < float("inf"):
@@ -78,9 +78,7 @@ def write_ply(
     return PlySummary(*counts)
 
 
-def _rgb(
-    values: npt.ArrayLike, shape: tuple[int, ...], name: str
-) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+def _rgb(values: npt.ArrayLike, shape: tuple[int, ...], name: str) -> U8:
     array = np.asarray(values)
     if array.shape != shape or array.dtype.kind not in "uif":
         raise ShapeError(
@@ -88,4 +86,5 @@ def _rgb(
         )
     if not np.isfinite(array).all():
         raise OptionsError(f"{name} must be finite")
-    return np.clip(np.rint(array), 0, 255).astype(np.uint8)
+    clamped: U8 = np.clip(np.rint(array), 0, 255).astype(np.uint8)
+    return clamped

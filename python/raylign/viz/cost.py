@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import MaxNLocator
 
 from raylign._typing import F64, AnyArray, Bool
 from raylign.bundle import Summary
@@ -64,19 +64,7 @@ def _cost_curve(axes: Axes, x: AnyArray, cost: F64, rejected: Bool) -> None:
         axes.plot(x[rejected], cost[rejected], "x", color=style.BEFORE, label="rejected step")
     axes.axhline(cost[-1], color=style.MUTED, linewidth=0.8, linestyle=":", label="final cost")
     axes.set_ylabel("cost [px²]")
-    log_axis(axes, cost)
-
-
-def log_axis(axes: Axes, values: F64) -> None:
-    """Logarithmic y axis that still has readable labels when the data spans less than a decade."""
-    positive = values[values > 0]
-    if len(positive) == 0:
-        return
-    axes.set_yscale("log")
-    if positive.max() / positive.min() < 30:
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-        axes.yaxis.set_major_formatter(ScalarFormatter())
-        axes.yaxis.set_minor_formatter(NullFormatter())
+    style.log_axis(axes, cost)
 
 
 def _state_curves(axes: Axes, rows: AnyArray) -> None:

@@ -15,8 +15,10 @@ from raylign.viz import style
 
 _POINT_PERCENTILES = (2.0, 98.0)
 _CAMERA_PERCENTILES = (1.0, 99.0)
-_MARGIN = 0.08  # of the range, on each side
-_DIRECTION_LENGTH = 0.035  # of the plan's longer side
+_MARGIN = 0.04  # of the range, on each side
+_REACH = 0.15  # of the percentile range: what may lie beyond it and still be shown
+_DIRECTION_LENGTH = 0.035  # of the view's longer side
+_SPARSE_CAMERAS = 60  # with more, viewing directions are drawn shorter
 
 
 @dataclass(frozen=True)
@@ -138,10 +140,13 @@ def _robust_box(scenes: list[_Scene]) -> tuple[F64, F64]:
     lows, highs = [], []
     for scene in scenes:
         points, centers = _finite(scene.points), _finite(scene.centers)
-        if len(points):  # towards the middle: never the outlier itself
-            lows.append(np.percentile(points, _POINT_PERCENTILES[0], axis=0, method="higher"))
-            highs.append(np.percentile(points, _POINT_PERCENTILES[1], axis=0, method="lower"))
-        if len(centers):  # away from it: of few cameras all
+        if len(points):  # percentiles towards the middle: never the outlier itself
+            low = np.percentile(points, _POINT_PERCENTILES[0], axis=0, method="higher")
+            high = np.percentile(points, _POINT_PERCENTILES[1], axis=0, method="lower")
+            reach = _REACH * (high - low)  # a cloud without outliers is shown whole
+            lows.append(np.maximum(points.min(axis=0), low - reach))
+            highs.append(np.minimum(points.max(axis=0), high + reach))
+        if len(centers):  # away from the middle: of few cameras all
             lows.append(np.percentile(centers, _CAMERA_PERCENTILES[0], axis=0, method="lower"))
             highs.append(np.percentile(centers, _CAMERA_PERCENTILES[1], axis=0, method="higher"))
     low, high = np.min(lows, axis=0), np.max(highs, axis=0)
@@ -173,7 +178,7 @@ def _point_colors(
 
 def _draw(axes: Axes, scene: _Scene, view: _View, chosen: np.ndarray, colors: np.ndarray) -> None:
     horizontal, vertical = view.axes
-    area = float(np.clip(24_000 / max(1, len(chosen)), 0.3, 8.0))
+    area = float(np.clip(24_000 / max(1, len(chosen)), 0.6, 8.0))
     points = scene.points[chosen]
     axes.scatter(
         points[:, horizontal],
@@ -186,7 +191,8 @@ def _draw(axes: Axes, scene: _Scene, view: _View, chosen: np.ndarray, colors: np
     )
     columns = [horizontal, vertical]
     centers = scene.centers[:, columns]
-    length = _DIRECTION_LENGTH * float((view.high - view.low).max())
+    crowd = min(1.0, (_SPARSE_CAMERAS / max(1, len(centers))) ** 0.5)
+    length = _DIRECTION_LENGTH * crowd * float((view.high - view.low).max())
     tips = centers + length * scene.directions[:, columns]
     thin = 0.9 if len(centers) <= 300 else 0.4
     axes.add_collection(

@@ -35,10 +35,6 @@ def plot_residuals(before: BalProblem, after: BalProblem) -> Figure:
     return figure
 
 
-def _px(value: float, _position: int = 0) -> str:
-    return f"{value:g}"
-
-
 def _histogram(axes: Axes, norms: list[F64]) -> None:
     everything = np.concatenate(norms)
     everything = everything[np.isfinite(everything)]
@@ -60,7 +56,7 @@ def _histogram(axes: Axes, norms: list[F64]) -> None:
         axes.hist(clipped, bins, color=color, histtype="step", linewidth=1.5, label=label)
         axes.axvline(float(np.median(finite)), color=color, linewidth=1.0, linestyle="--")
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(FuncFormatter(_px))
+    axes.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
     axes.set_xlabel("residual norm ‖r‖ [px], log bins, ends collect the tails; dashed: median")
     axes.set_ylabel("observations per bin")
     axes.set_title("residual norms")
@@ -85,9 +81,8 @@ def _per_camera(axes: Axes, before: F64, after: F64) -> None:
         axes.add_collection(LineCollection(list(ends), colors="#cbd5e1", linewidths=1.2))
     axes.scatter(index, before, s=size, color=style.BEFORE, linewidths=0)
     axes.scatter(index, after, s=size, color=style.AFTER, linewidths=0)
-    if np.nanmax(np.append(before, after), initial=0.0) > 0:
-        axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(FuncFormatter(_px))
+    style.log_axis(axes, np.append(before, after))
+    axes.yaxis.set_major_formatter(FuncFormatter(style.plain_number))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("camera")
     axes.set_ylabel("RMSE per coordinate [px]")

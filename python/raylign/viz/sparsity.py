@@ -185,7 +185,7 @@ def _draw_reduced(figure: Figure, axes: Axes, problem: BalProblem) -> None:
     bar.outline.set_visible(False)
     binned = "" if cells == problem.num_cameras else f", in {cells} x {cells} bins"
     axes.set_title(
-        f"S: all {style.count(problem.num_cameras)} cameras{binned}, {filled:.0%} filled"
+        f"S: all {style.count(problem.num_cameras)} cameras{binned}, {filled:.0%} non-zero"
     )
     axes.set_anchor("N")
     axes.set_xlabel("camera (9 unknowns each)")

@@ -6,8 +6,12 @@ from pathlib import Path
 from typing import Any, ParamSpec, Protocol, TypeVar
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from raylign._typing import F64
 
 BEFORE = "#c8553d"  # red clay
 AFTER = "#1f7a8c"  # teal
@@ -80,6 +84,23 @@ def legend_below(figure: Figure, axes: Axes) -> None:
     """Put the entries of one axes in a row under the whole figure, where no data can be."""
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=max(1, len(labels)))
+
+
+def log_axis(axes: Axes, values: F64) -> None:
+    """Logarithmic y axis whose labels stay readable when the data spans less than a decade."""
+    positive = values[np.isfinite(values) & (values > 0)]
+    if len(positive) == 0:
+        return
+    axes.set_yscale("log")
+    if positive.max() / positive.min() < 30:
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(plain_number))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def plain_number(value: float, _position: int | None = None) -> str:
+    """Tick label without powers of ten where six digits suffice."""
+    return f"{value:g}"
 
 
 @styled

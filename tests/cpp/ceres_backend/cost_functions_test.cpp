@@ -13,8 +13,8 @@
 #include "support/eigen_matchers.h"
 #include "support/named_rng.h"
 
-// Hand-written Jacobians against Ceres' automatic differentiation of the same residual written a second
-// time, for every parametrisation, at 1000 states of every awkward kind.
+// Hand-written Jacobians against Ceres' automatic differentiation of the same residual written a
+// second time, for every parametrisation, at 1000 states of every awkward kind.
 namespace raylign::ceres_backend {
 namespace {
 
@@ -56,7 +56,8 @@ template <int PoseSize>
 struct InverseDepthFunctor {
   Vector2 observed;
   template <typename T>
-  bool operator()(const T* pose, const T* intrinsics, const T* point, const T* host, T* residual) const {
+  bool operator()(
+      const T* pose, const T* intrinsics, const T* point, const T* host, T* residual) const {
     const T* t_h = host + PoseSize - 3;
     const T s[3] = {point[0] - point[2] * t_h[0], point[1] - point[2] * t_h[1],
                     T(-1.0) - point[2] * t_h[2]};
@@ -87,10 +88,14 @@ struct InverseDepthHostFunctor {
 Vector3 random_rotation(test::NamedRng& rng, int index) {
   const Vector3 axis = rng.unit_vector<3>();
   switch (index % 5) {
-    case 0: return 1e-9 * axis;
-    case 1: return Vector3::Zero();
-    case 2: return (M_PI - 1e-7) * axis;
-    default: return rng.uniform(0.0, 3.0) * axis;
+    case 0:
+      return 1e-9 * axis;
+    case 1:
+      return Vector3::Zero();
+    case 2:
+      return (M_PI - 1e-7) * axis;
+    default:
+      return rng.uniform(0.0, 3.0) * axis;
   }
 }
 
@@ -122,9 +127,12 @@ std::vector<double> pose_block(const Vector3& omega, const Vector3& t) {
 
 Vector3 world_point(const State& s) { return so3_exp(s.omega).transpose() * (s.p_c - s.t); }
 
-// Evaluates both and compares residuals and every Jacobian block, each relative to its largest entry.
-void expect_equal(const ceres::CostFunction& ours, const ceres::CostFunction& autodiff,
-                  const std::vector<std::vector<double>>& blocks, int index) {
+// Evaluates both and compares residuals and every Jacobian block, each relative to its largest
+// entry.
+void expect_equal(const ceres::CostFunction& ours,
+                  const ceres::CostFunction& autodiff,
+                  const std::vector<std::vector<double>>& blocks,
+                  int index) {
   std::vector<const double*> x;
   std::vector<std::vector<double>> J_ours, J_auto;
   std::vector<double*> p_ours, p_auto;
@@ -166,7 +174,8 @@ TYPED_TEST(CostFunctions, XyzJacobiansEqualAutodiff) {
     expect_equal(ours, autodiff,
                  {pose_block<TypeParam>(s.omega, s.t),
                   {s.intrinsics.data(), s.intrinsics.data() + 3},
-                  {x.data(), x.data() + 3}}, i);
+                  {x.data(), x.data() + 3}},
+                 i);
   }
 }
 
@@ -175,8 +184,8 @@ TYPED_TEST(CostFunctions, HomogeneousJacobiansEqualAutodiff) {
   for (int i = 0; i < kNumStates; ++i) {
     const State s = random_state(i);
     Vector4 x = world_point(s).homogeneous();
-    if (i % 7 == 0) x = -x;                                                  // w < 0
-    if (i % 7 == 1) x << so3_exp(s.omega).transpose() * s.p_c, 0.0;          // at infinity
+    if (i % 7 == 0) x = -x;                                          // w < 0
+    if (i % 7 == 1) x << so3_exp(s.omega).transpose() * s.p_c, 0.0;  // at infinity
     x.normalize();
     const ReprojectionCost<TypeParam, HomogeneousPoint> ours(s.observed);
     const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 4> autodiff(
@@ -184,7 +193,8 @@ TYPED_TEST(CostFunctions, HomogeneousJacobiansEqualAutodiff) {
     expect_equal(ours, autodiff,
                  {pose_block<TypeParam>(s.omega, s.t),
                   {s.intrinsics.data(), s.intrinsics.data() + 3},
-                  {x.data(), x.data() + 4}}, i);
+                  {x.data(), x.data() + 4}},
+                 i);
   }
 }
 
@@ -195,12 +205,14 @@ TYPED_TEST(CostFunctions, InverseDepthJacobiansEqualAutodiff) {
     const Vector3 p_h = so3_exp(s.omega_h) * world_point(s) + s.t_h;
     const std::vector<double> point = {-p_h.x() / p_h.z(), -p_h.y() / p_h.z(), -1.0 / p_h.z()};
     const InverseDepthCost<TypeParam> ours(s.observed);
-    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 3, TypeParam::kSize> autodiff(
-        new Functor{s.observed});
+    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 3, TypeParam::kSize>
+        autodiff(new Functor{s.observed});
     expect_equal(ours, autodiff,
                  {pose_block<TypeParam>(s.omega, s.t),
-                  {s.intrinsics.data(), s.intrinsics.data() + 3}, point,
-                  pose_block<TypeParam>(s.omega_h, s.t_h)}, i);
+                  {s.intrinsics.data(), s.intrinsics.data() + 3},
+                  point,
+                  pose_block<TypeParam>(s.omega_h, s.t_h)},
+                 i);
   }
 }
 
@@ -212,7 +224,8 @@ TEST(InverseDepthHostCost, JacobiansEqualAutodiff) {
         new InverseDepthHostFunctor{s.observed});
     expect_equal(ours, autodiff,
                  {{s.intrinsics.data(), s.intrinsics.data() + 3},
-                  {-s.p_c.x() / s.p_c.z(), -s.p_c.y() / s.p_c.z(), -1.0 / s.p_c.z()}}, i);
+                  {-s.p_c.x() / s.p_c.z(), -s.p_c.y() / s.p_c.z(), -1.0 / s.p_c.z()}},
+                 i);
   }
 }
 

@@ -22,8 +22,8 @@ BundleOptions parity_options() {
   return options;
 }
 
-// Hand-written Jacobians, blocks of 6 + 3 + 3 and our summary must walk the very path that Ceres' example
-// walks with automatic differentiation and blocks of 9 + 3.
+// Hand-written Jacobians, blocks of 6 + 3 + 3 and our summary must walk the very path that Ceres'
+// example walks with automatic differentiation and blocks of 9 + 3.
 TEST(Parity, AngleAxisFollowsTheAutodiffTrajectoryCostByCost) {
   const BundleOptions options = parity_options();
   BalProblem ours = test::small_problem();
@@ -36,7 +36,8 @@ TEST(Parity, AngleAxisFollowsTheAutodiffTrajectoryCostByCost) {
   for (std::size_t i = 0; i < summary.iterations.size(); ++i) {
     const double cost = expected.iterations[i].cost;
     EXPECT_NEAR(summary.iterations[i].cost, cost, 1e-9 * cost) << "iteration " << i;
-    EXPECT_NEAR(summary.iterations[i].lambda * expected.iterations[i].trust_region_radius, 1.0, 1e-6);
+    EXPECT_NEAR(summary.iterations[i].lambda * expected.iterations[i].trust_region_radius, 1.0,
+                1e-6);
   }
   EXPECT_NEAR(summary.final_cost, expected.final_cost, 1e-10 * expected.final_cost);
 }
@@ -68,7 +69,9 @@ TEST(Adjust, LeavesTheProblemAloneWhenItFails) {
 TEST(Adjust, PassesExceptionsOfTheCallbackThrough) {
   BalProblem problem = test::small_problem();
   const BalProblem before = problem;
-  const auto callback = [](const IterationSummary&) -> CallbackAction { throw std::logic_error("mine"); };
+  const auto callback = [](const IterationSummary&) -> CallbackAction {
+    throw std::logic_error("mine");
+  };
   EXPECT_THROW(adjust(problem, BundleConfig{}, BundleOptions{}, callback), std::logic_error);
   EXPECT_TRUE(problem == before);
 }

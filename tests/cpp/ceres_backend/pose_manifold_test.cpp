@@ -104,11 +104,13 @@ TEST_P(PoseManifoldAxioms, MinusJacobianIsALeftInverseOfPlusJacobian) {
   const PoseManifold m = manifold();
   const Vector7 x = random_pose(rng);
   const int n = m.TangentSize();
-  EXPECT_TRUE(is_near(minus_jacobian(m, x) * plus_jacobian(m, x), Eigen::MatrixXd::Identity(n, n), 1e-14));
+  EXPECT_TRUE(
+      is_near(minus_jacobian(m, x) * plus_jacobian(m, x), Eigen::MatrixXd::Identity(n, n), 1e-14));
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    All, PoseManifoldAxioms,
+    All,
+    PoseManifoldAxioms,
     testing::Combine(testing::Values(TranslationUpdate::COUPLED, TranslationUpdate::ADDITIVE),
                      testing::Values(std::array<bool, 4>{false, false, false, false},
                                      std::array<bool, 4>{false, true, false, false},

@@ -95,6 +95,16 @@ TEST(So3, ExpStaysOrthonormal) {
   }
 }
 
+TEST(So3, ExpAndLeftJacobianAreTheTwoFunctions) {
+  NamedRng rng = make_rng("so3_exp_and_left_jacobian");
+  for (const double angle : {0.0, 1e-300, 1e-12, 1e-8, 1e-4, 0.01, 0.5, 3.0, kPi, 6.0}) {
+    const Vector3 omega = angle * rng.unit_vector<3>();
+    Matrix3 J_left;
+    EXPECT_EQ(so3_exp_and_left_jacobian(omega, J_left), so3_exp(omega)) << angle;
+    EXPECT_TRUE(is_near(J_left, so3_left_jacobian(omega), 1e-15)) << angle;
+  }
+}
+
 TEST(Quaternion, MatchesTheMatrixExponential) {
   for (int i = 0; i < 50; ++i) {
     NamedRng rng = make_rng("quaternion_exp", i);
@@ -116,14 +126,13 @@ TEST(Quaternion, MemoryOrderIsXyzw) {
 // Each of Shepperd's four cases has its largest component, and w >= 0 picks one of ±q.
 TEST(Quaternion, FromMatrixInAllFourCases) {
   for (int largest = 0; largest < 4; ++largest) {
-    Vector4 xyzw(0.1, -0.2, 0.3, 0.25);
-    xyzw[largest] = 2.0;
-    const Quaternion q = Quaternion(xyzw.normalized());
-    EXPECT_TRUE(
-        is_near(quaternion_from_matrix(quaternion_to_matrix(q)).coeffs(), q.coeffs(), 1e-15));
-    const Quaternion opposite(-q.coeffs());
-    EXPECT_TRUE(is_near(quaternion_from_matrix(quaternion_to_matrix(opposite)).coeffs(), q.coeffs(),
-                        1e-15));
+    for (const double value : {2.0, -2.0}) {
+      Vector4 xyzw(0.1, -0.2, 0.3, 0.25);
+      xyzw[largest] = value;
+      xyzw.normalize();
+      const Vector4 found = quaternion_from_matrix(quaternion_to_matrix(Quaternion(xyzw))).coeffs();
+      EXPECT_TRUE(is_near(found, xyzw[3] < 0.0 ? Vector4(-xyzw) : xyzw, 1e-15)) << largest;
+    }
   }
 }
 

@@ -35,7 +35,10 @@ State random_state(int index) {
   return s;
 }
 
-Vector2 residual(const Matrix4& T_cw, const Vector3& intrinsics, const Vector3& x, const Vector2& observed) {
+Vector2 residual(const Matrix4& T_cw,
+                 const Vector3& intrinsics,
+                 const Vector3& x,
+                 const Vector2& observed) {
   Vector2 r;
   EXPECT_TRUE(reprojection_residual((T_cw * x.homogeneous()).head<3>(), intrinsics, observed, r));
   return r;
@@ -52,11 +55,16 @@ TEST(Reprojection, JacobiansAgreeWithNumericOnes) {
     const auto of_pose = [&](const Vector6& xi) {
       return residual(se3_exp(xi) * s.T_cw, s.intrinsics, s.x, s.observed);
     };
-    const auto of_intrinsics = [&](const Vector3& k) { return residual(s.T_cw, k, s.x, s.observed); };
-    const auto of_point = [&](const Vector3& x) { return residual(s.T_cw, s.intrinsics, x, s.observed); };
+    const auto of_intrinsics = [&](const Vector3& k) {
+      return residual(s.T_cw, k, s.x, s.observed);
+    };
+    const auto of_point = [&](const Vector3& x) {
+      return residual(s.T_cw, s.intrinsics, x, s.observed);
+    };
     EXPECT_TRUE(is_near(pose_jacobian(J_p, p_c),
                         test::numeric_jacobian(of_pose, Vector6(Vector6::Zero()), 1e-2), 1e-8));
-    EXPECT_TRUE(is_near(J_intrinsics, test::numeric_jacobian(of_intrinsics, s.intrinsics, 1e-1), 1e-8));
+    EXPECT_TRUE(
+        is_near(J_intrinsics, test::numeric_jacobian(of_intrinsics, s.intrinsics, 1e-1), 1e-8));
     EXPECT_TRUE(is_near(point_jacobian(J_p, s.T_cw.topLeftCorner<3, 3>()),
                         test::numeric_jacobian(of_point, s.x, 1e-2), 1e-8));
   }

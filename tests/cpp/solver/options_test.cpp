@@ -79,8 +79,9 @@ TEST(BundleConfig, NamesTheFieldAndTheIndex) {
             "BundleConfig.constant_cameras must hold indices in [0, 3), got 3");
   config = {};
   config.constant_coordinates = {{ParameterKind::POSE, 0, "k1"}};
-  EXPECT_EQ(message_of([&] { config.validate(3, 10); }),
-            "ConstantCoordinate.coordinate of kind pose must be one of tx, ty, tz, rotation, got 'k1'");
+  EXPECT_EQ(
+      message_of([&] { config.validate(3, 10); }),
+      "ConstantCoordinate.coordinate of kind pose must be one of tx, ty, tz, rotation, got 'k1'");
   config.constant_coordinates = {{ParameterKind::POINT, 10, "z"}};
   EXPECT_THROW(config.validate(3, 10), OptionsError);
   EXPECT_NO_THROW(config.validate(3, 11));
@@ -96,8 +97,8 @@ TEST(Summary, StartsWithImpossibleValues) {
 
 TEST(Summary, IsUsableUnlessItFailed) {
   Summary summary;
-  for (const auto good : {Termination::CONVERGENCE, Termination::MAX_ITERATIONS, Termination::TIME_LIMIT,
-                          Termination::USER_STOPPED}) {
+  for (const auto good : {Termination::CONVERGENCE, Termination::MAX_ITERATIONS,
+                          Termination::TIME_LIMIT, Termination::USER_STOPPED}) {
     summary.termination = good;
     EXPECT_TRUE(summary.is_usable());
   }

@@ -13,8 +13,8 @@
 
 namespace raylign::test {
 
-/// The formulation of Ceres' own BAL example: one block of nine numbers per camera, additive, automatic
-/// differentiation. The reference of tests and benchmarks.
+/// The formulation of Ceres' own BAL example: one block of nine numbers per camera, additive,
+/// automatic differentiation. The reference of tests and benchmarks.
 struct AutodiffBalResidual {
   double u, v;
 

@@ -16,7 +16,8 @@ inline BalProblem small_problem(int num_cameras = 5, int num_points = 40) {
   BalProblem problem;
   problem.cameras.resize(num_cameras, 9);
   problem.points.resize(num_points, 3);
-  for (int p = 0; p < num_points; ++p) problem.points.row(p) = rng.normal_vector<3>(0.7).transpose();
+  for (int p = 0; p < num_points; ++p)
+    problem.points.row(p) = rng.normal_vector<3>(0.7).transpose();
   for (int c = 0; c < num_cameras; ++c) {
     const double angle = 0.25 * (c - num_cameras / 2);
     problem.cameras.row(c) << 0.02 * c, angle, 0.01, rng.normal(0.1), rng.normal(0.1), -6.0, 500.0,
@@ -32,10 +33,13 @@ inline BalProblem small_problem(int num_cameras = 5, int num_points = 40) {
     const Eigen::Matrix<double, 9, 1> camera = problem.cameras.row(c).transpose();
     Vector2 uv;
     BalCamera(camera[6], camera[7], camera[8])
-        .project(so3_exp(camera.head<3>()) * problem.points.row(p).transpose() + camera.segment<3>(3), uv);
+        .project(
+            so3_exp(camera.head<3>()) * problem.points.row(p).transpose() + camera.segment<3>(3),
+            uv);
     problem.observations.row(i) = (uv + rng.normal_vector<2>(0.5)).transpose();
   }
-  for (int p = 0; p < num_points; ++p) problem.points.row(p) += rng.normal_vector<3>(0.05).transpose();
+  for (int p = 0; p < num_points; ++p)
+    problem.points.row(p) += rng.normal_vector<3>(0.05).transpose();
   for (int c = 0; c < num_cameras; ++c) {
     problem.cameras.row(c).head<6>() += rng.normal_vector<6>(0.01).transpose();
   }

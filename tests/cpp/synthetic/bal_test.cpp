@@ -92,6 +92,15 @@ TEST_P(SyntheticBalTest, EveryPointTwiceAndTheGraphIsConnected) {
   }
 }
 
+TEST_P(SyntheticBalTest, TheSparsestGraphIsConnectedToo) {
+  SyntheticBalOptions options = make_options(GetParam(), 200, 800);
+  options.mean_track_length = 2.0;
+  options.loop_closure_fraction = 0.0;
+  const BalProblem problem = synthetic_bal(options).problem;
+  EXPECT_EQ(problem.num_observations(), 1600);
+  EXPECT_EQ(num_components(problem), 1);
+}
+
 TEST_P(SyntheticBalTest, ObservationsAreSortedByPointThenCamera) {
   const BalProblem problem = synthetic_bal(make_options(GetParam())).problem;
   for (Eigen::Index i = 1; i < problem.num_observations(); ++i) {
