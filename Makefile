@@ -54,7 +54,7 @@ fuzz:  ## 1e5 hostile inputs for the readers, under the sanitizers
 	$(BOOTSTRAP) system
 	cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
 	  -DRAYLIGN_SANITIZE=address,undefined -DRAYLIGN_BUILD_TESTS=OFF -DRAYLIGN_BUILD_FUZZERS=ON
-	cmake --build build/fuzz -j$(JOBS)
+	cmake --build build/fuzz -j$(JOBS) --target fuzz_bal_reader
 	UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
 	  ctest --test-dir build/fuzz --output-on-failure
 

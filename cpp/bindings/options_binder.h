@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "raylign/base/error.h"
+
 namespace raylign::python {
 
 namespace py = pybind11;
@@ -118,8 +120,25 @@ class OptionsBinder {
                              "'; it has " +
                              py::str(py::str(", ").attr("join")(known)).cast<std::string>());
       }
-      self.attr(item.first) = item.second;
+      self.attr(item.first) = enumerator_of(self, item.first, item.second, name);
     }
+  }
+
+  // An enumerator may be given by its lower-case name, as on the command line.
+  static py::object enumerator_of(const py::object& self, const py::handle& field,
+                                  const py::handle& value, const std::string& name) {
+    const py::object type = py::type::of(self.attr(field));
+    if (!py::isinstance<py::str>(value) || !py::hasattr(type, "__members__")) {
+      return py::reinterpret_borrow<py::object>(value);
+    }
+    std::string known;
+    for (auto member : type) {
+      const py::object spelling = member.attr("name").attr("lower")();
+      if (spelling.equal(value)) return py::reinterpret_borrow<py::object>(member);
+      known += (known.empty() ? "" : ", ") + py::str(spelling).cast<std::string>();
+    }
+    throw OptionsError(name + "." + py::str(field).cast<std::string>() + " must be one of " + known +
+                       ", got '" + py::str(value).cast<std::string>() + "'");
   }
 
   static std::string repr(const py::object& self, const std::string& name) {

@@ -190,10 +190,10 @@ class Loss:
     scale: float
     degrees_of_freedom: float
     def __init__(
-        self, *, type: LossType = ..., scale: float = ..., degrees_of_freedom: float = ...
+        self, *, type: LossType | str = ..., scale: float = ..., degrees_of_freedom: float = ...
     ) -> None: ...
     def replace(
-        self, *, type: LossType = ..., scale: float = ..., degrees_of_freedom: float = ...
+        self, *, type: LossType | str = ..., scale: float = ..., degrees_of_freedom: float = ...
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -323,8 +323,8 @@ class LinearSolverOptions:
     def __init__(
         self,
         *,
-        type: LinearSolverType = ...,
-        preconditioner: Preconditioner = ...,
+        type: LinearSolverType | str = ...,
+        preconditioner: Preconditioner | str = ...,
         explicit_schur: bool = ...,
         max_num_iterations: int = ...,
         forcing_tolerance: float = ...,
@@ -332,8 +332,8 @@ class LinearSolverOptions:
     def replace(
         self,
         *,
-        type: LinearSolverType = ...,
-        preconditioner: Preconditioner = ...,
+        type: LinearSolverType | str = ...,
+        preconditioner: Preconditioner | str = ...,
         explicit_schur: bool = ...,
         max_num_iterations: int = ...,
         forcing_tolerance: float = ...,
@@ -358,9 +358,9 @@ class BundleOptions:
     def __init__(
         self,
         *,
-        backend: Backend = ...,
-        pose_parametrization: PoseParametrization = ...,
-        point_parametrization: PointParametrization = ...,
+        backend: Backend | str = ...,
+        pose_parametrization: PoseParametrization | str = ...,
+        point_parametrization: PointParametrization | str = ...,
         loss: Loss = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
@@ -368,9 +368,9 @@ class BundleOptions:
     def replace(
         self,
         *,
-        backend: Backend = ...,
-        pose_parametrization: PoseParametrization = ...,
-        point_parametrization: PointParametrization = ...,
+        backend: Backend | str = ...,
+        pose_parametrization: PoseParametrization | str = ...,
+        point_parametrization: PointParametrization | str = ...,
         loss: Loss = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
@@ -390,10 +390,10 @@ class ConstantCoordinate:
     index: int
     coordinate: str
     def __init__(
-        self, *, kind: ParameterKind = ..., index: int = ..., coordinate: str = ...
+        self, *, kind: ParameterKind | str = ..., index: int = ..., coordinate: str = ...
     ) -> None: ...
     def replace(
-        self, *, kind: ParameterKind = ..., index: int = ..., coordinate: str = ...
+        self, *, kind: ParameterKind | str = ..., index: int = ..., coordinate: str = ...
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -414,7 +414,7 @@ class BundleConfig:
     def __init__(
         self,
         *,
-        gauge: Gauge = ...,
+        gauge: Gauge | str = ...,
         constant_cameras: list[int] = ...,
         constant_intrinsics: list[int] = ...,
         constant_points: list[int] = ...,
@@ -423,7 +423,7 @@ class BundleConfig:
     def replace(
         self,
         *,
-        gauge: Gauge = ...,
+        gauge: Gauge | str = ...,
         constant_cameras: list[int] = ...,
         constant_intrinsics: list[int] = ...,
         constant_points: list[int] = ...,
@@ -523,7 +523,7 @@ class Summary:
     def __init__(
         self,
         *,
-        termination: Termination = ...,
+        termination: Termination | str = ...,
         message: str = ...,
         backend: str = ...,
         initial_cost: float = ...,
@@ -532,7 +532,7 @@ class Summary:
         num_rejected: int = ...,
         num_residuals: int = ...,
         num_effective_parameters: int = ...,
-        linear_solver: LinearSolverType = ...,
+        linear_solver: LinearSolverType | str = ...,
         linear_solver_reason: str = ...,
         num_threads: int = ...,
         deterministic: bool = ...,
@@ -546,7 +546,7 @@ class Summary:
     def replace(
         self,
         *,
-        termination: Termination = ...,
+        termination: Termination | str = ...,
         message: str = ...,
         backend: str = ...,
         initial_cost: float = ...,
@@ -555,7 +555,7 @@ class Summary:
         num_rejected: int = ...,
         num_residuals: int = ...,
         num_effective_parameters: int = ...,
-        linear_solver: LinearSolverType = ...,
+        linear_solver: LinearSolverType | str = ...,
         linear_solver_reason: str = ...,
         num_threads: int = ...,
         deterministic: bool = ...,
@@ -771,7 +771,7 @@ class BalOptions:
     def __init__(
         self,
         *,
-        kind: BalKind = ...,
+        kind: BalKind | str = ...,
         num_cameras: int = ...,
         num_points: int = ...,
         num_observations: int = ...,
@@ -803,7 +803,7 @@ class BalOptions:
     def replace(
         self,
         *,
-        kind: BalKind = ...,
+        kind: BalKind | str = ...,
         num_cameras: int = ...,
         num_points: int = ...,
         num_observations: int = ...,

@@ -118,10 +118,4 @@ def write_bal(
 
 
 def _merge(options: BalOptions | None, changes: dict[str, Any]) -> BalOptions:
-    kind = changes.get("kind")
-    if isinstance(kind, str):
-        names = [member.name.lower() for member in BalKind]
-        if kind not in names:
-            raise OptionsError(f"BalOptions.kind must be one of {', '.join(names)}, got {kind!r}")
-        changes = {**changes, "kind": BalKind[kind.upper()]}
     return (BalOptions() if options is None else options).replace(**changes)

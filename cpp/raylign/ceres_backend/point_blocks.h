@@ -18,7 +18,7 @@ struct XyzPoint {
   }
 };
 
-/// [x̄; w] on the unit sphere of R⁴ (Triggs et al. 2000, §3.1); w may reach and cross zero.
+/// [x̄; w] on the unit sphere of R⁴ (Triggs et al. 2000, §2.2); w may reach and cross zero.
 struct HomogeneousPoint {
   static constexpr int kSize = 4;
   static Vector3 x_bar(const double* block) { return {block[0], block[1], block[2]}; }

@@ -1,0 +1,60 @@
+"""What the examples of docs/theory share: arguments, a table on the terminal, figures on disk."""
+
+import argparse
+import json
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from raylign.viz import style
+
+IMAGES = Path(__file__).resolve().parents[2] / "docs" / "theory" / "images"
+DPI = 115
+
+# One colour, line and marker each, so that a print in grey still tells them apart.
+LINES: Sequence[dict[str, str]] = (
+    {"color": style.BEFORE, "linestyle": "-", "marker": "o"},
+    {"color": style.AFTER, "linestyle": "-", "marker": "s"},
+    {"color": style.ACCENT, "linestyle": "--", "marker": "^"},
+    {"color": style.CAMERA, "linestyle": ":", "marker": "D"},
+)
+
+Result = dict[str, Any]
+
+
+def run(
+    description: str,
+    measure: Callable[[bool], Result],
+    draw: Callable[[Result], dict[str, Figure]],
+) -> None:
+    """Measure, draw and save: `--quick` is small enough for a test, `--json` keeps the numbers."""
+    parser = argparse.ArgumentParser(description=description.split("\n")[0])
+    parser.add_argument("--output", type=Path, default=IMAGES, help="folder of the figures")
+    parser.add_argument("--json", type=Path, help="file for the measured numbers")
+    parser.add_argument("--quick", action="store_true", help="smaller, for tests")
+    arguments = parser.parse_args()
+    result = measure(arguments.quick)
+    if arguments.json is not None:
+        arguments.json.write_text(json.dumps(result, indent=1), encoding="utf-8")
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context(style.RC):
+        for name, figure in draw(result).items():
+            path = arguments.output / f"{name}.png"
+            figure.savefig(path, dpi=DPI, metadata={"Software": "raylign"})
+            print(f"wrote {path}")
+
+
+def print_table(header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Print right-aligned columns; floats with four significant digits."""
+    text = [list(header)] + [[_cell(value) for value in row] for row in rows]
+    widths = [max(len(row[k]) for row in text) for k in range(len(text[0]))]
+    for row in text:
+        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
+    print()
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
