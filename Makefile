@@ -26,11 +26,13 @@ test:  ## C++ and Python tests
 bench: setup  ## benchmarks; JSON and figures under benchmarks/results
 	$(PYTHON_BIN) benchmarks/run.py
 
-lint: setup  ## ruff, clang-format, layers, mypy --strict, stubtest
+lint:  ## ruff, clang-format, layers, mypy --strict, stubtest
+	$(BOOTSTRAP) venv
 	scripts/format.sh --check
 	$(PYTHON_BIN) -m ruff check .
 	$(PYTHON_BIN) scripts/check_layers.py
 	$(PYTHON_BIN) scripts/check_size.py
+	$(BOOTSTRAP)
 	$(PYTHON_BIN) -m mypy
 	$(PYTHON_BIN) scripts/make_stub.py --check
 	$(PYTHON_BIN) -m mypy.stubtest raylign._core --allowlist scripts/stubtest_allowlist.txt

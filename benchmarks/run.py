@@ -1,9 +1,9 @@
 """End-to-end benchmarks: builds the C++ programs, runs everything, prints tables, writes JSON.
 
-    make bench                         # or: .venv/bin/python benchmarks/run.py [--repeats 5] [--only NAME]
+    make bench      # or: .venv/bin/python benchmarks/run.py [--repeats 5] [--only NAME]
 
-Ratios are taken pair by pair within one process run, because a shared machine drifts; the medians are
-what docs/benchmarks.md quotes.
+Ratios are taken pair by pair within one process run, because a shared machine drifts;
+docs/benchmarks.md quotes the medians.
 """
 
 import argparse
@@ -100,7 +100,7 @@ def median_ratio(rows: list[dict], pose: str, field: str) -> float:
 def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
     """Analytic against automatic differentiation through the same Ceres, one thread."""
     table = Table(
-        title="Jacobian evaluation, dense_schur, 1 thread (median ns per observation; ratio autodiff / raylign)"
+        title="Jacobians, dense_schur, 1 thread: median ns/observation, ratio autodiff / raylign"
     )
     for column in (
         "problem",

@@ -125,8 +125,10 @@ class OptionsBinder {
   }
 
   // An enumerator may be given by its lower-case name, as on the command line.
-  static py::object enumerator_of(const py::object& self, const py::handle& field,
-                                  const py::handle& value, const std::string& name) {
+  static py::object enumerator_of(const py::object& self,
+                                  const py::handle& field,
+                                  const py::handle& value,
+                                  const std::string& name) {
     const py::object type = py::type::of(self.attr(field));
     if (!py::isinstance<py::str>(value) || !py::hasattr(type, "__members__")) {
       return py::reinterpret_borrow<py::object>(value);
@@ -137,8 +139,8 @@ class OptionsBinder {
       if (spelling.equal(value)) return py::reinterpret_borrow<py::object>(member);
       known += (known.empty() ? "" : ", ") + py::str(spelling).cast<std::string>();
     }
-    throw OptionsError(name + "." + py::str(field).cast<std::string>() + " must be one of " + known +
-                       ", got '" + py::str(value).cast<std::string>() + "'");
+    throw OptionsError(name + "." + py::str(field).cast<std::string>() + " must be one of " +
+                       known + ", got '" + py::str(value).cast<std::string>() + "'");
   }
 
   static std::string repr(const py::object& self, const std::string& name) {

@@ -1,4 +1,4 @@
-"""Reprojection bundle adjustment of BAL problems: what is held fixed, how to solve, and the solve."""
+"""Reprojection bundle adjustment of BAL problems."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -75,13 +75,13 @@ def adjust(
         problem: BAL problem; not modified.
         config: what is held fixed. Default: nothing (gauge `FREE`; the damping holds it).
         options: how to solve. Default: `BundleOptions()`.
-        callback: called after each iteration, the start included; return False to stop. An exception
-            in it stops the solve and is raised again here.
+        callback: called after each iteration, the start included; return False to stop. An
+            exception in it stops the solve and is raised again here.
 
     Returns:
-        BundleResult: refined `problem` and `summary`. Ctrl-C, a stop by the callback and the time limit
-        return the best state found so far, with `summary.termination` saying so. Numerical failure is
-        `Termination.FAILURE` with a message, not an exception.
+        BundleResult: refined `problem` and `summary`. Ctrl-C, a stop by the callback and the time
+        limit return the best state found so far, with `summary.termination` saying so. Numerical
+        failure is `Termination.FAILURE` with a message, not an exception.
 
     Raises:
         OptionsError: an option or an index in `config` is out of range.
@@ -124,9 +124,10 @@ def linearize(
         options: parametrisations and loss; the rest is not used.
 
     Returns:
-        Linearization: `cost` (px²), weighted `residuals` (2N,), `gradient` (n,) and J in compressed row
-        storage (`row_starts`, `columns`, `values`): `scipy.sparse.csr_matrix((values, columns,
-        row_starts), shape=(2N, n))`. Columns: per camera pose [υ; ω] then f, k1, k2; then points.
+        Linearization: `cost` (px²), weighted `residuals` (2N,), `gradient` (n,) and J in
+        compressed row storage (`row_starts`, `columns`, `values`):
+        `scipy.sparse.csr_matrix((values, columns, row_starts), shape=(2N, n))`.
+        Columns: per camera pose [υ; ω] then f, k1, k2; then points.
 
     Raises:
         OptionsError: an option or an index in `config` is out of range.

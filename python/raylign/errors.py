@@ -1,4 +1,4 @@
-"""The exception tree. `except raylign.Error` catches all; the three specific ones are `ValueError`s too."""
+"""The exception tree: `raylign.Error` catches all; the specific ones are `ValueError`s too."""
 
 from raylign._core import Error, FormatError, OptionsError, ShapeError
 

@@ -1,4 +1,4 @@
-"""A second, independent evaluator of the BAL cost in plain NumPy: no raylign code below this line."""
+"""A second, independent evaluator of the BAL cost in plain NumPy, without any raylign code."""
 
 import numpy as np
 

@@ -298,15 +298,15 @@ def test_only_false_stops(perturbed, answer):
 
 
 def test_exception_in_the_callback_comes_out(perturbed):
-    class Mine(Exception):
+    class MineError(Exception):
         pass
 
     def callback(iteration):
         if iteration.iteration == 1:
-            raise Mine("from the callback")
+            raise MineError("from the callback")
 
     before = perturbed.copy()
-    with pytest.raises(Mine, match="from the callback"):
+    with pytest.raises(MineError, match="from the callback"):
         adjust(perturbed, callback=callback)
     assert perturbed == before
 

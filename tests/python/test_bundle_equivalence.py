@@ -1,4 +1,4 @@
-"""The parametrisations describe one problem: same cost, gradients and Gauss-Newton steps after mapping."""
+"""The parametrisations describe one problem: same cost, gradients, steps after mapping."""
 
 import numpy as np
 import pytest
@@ -129,7 +129,7 @@ def test_gradients_are_related_by_the_tangent_map(perturbed, pose):
 
 
 def gauss_newton_step(problem, pose):
-    """Undamped step with the gauge fixed by two cameras, as (ω, dt, intrinsics) and point increments."""
+    """Undamped step with the gauge fixed by two cameras, and J times it."""
     config = BundleConfig(gauge=Gauge.TWO_CAMERAS)
     linearization = linearize(problem, config=config, options=options_of(pose))
     J = dense_jacobian(linearization)

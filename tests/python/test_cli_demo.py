@@ -47,10 +47,11 @@ def test_every_scene_is_shipped_with_its_truth(scene: Scene) -> None:
 
 
 def test_installed_data_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shipped = _resources.data_file("registry.toml")
+    assert shipped.is_file()
     monkeypatch.setattr(_resources, "_PACKAGE", tmp_path)
-    source = _resources.data_file("registry.toml")
     (tmp_path / "_data").mkdir()
     (tmp_path / "_data" / "registry.toml").write_text("")
-    assert _resources.data_file("registry.toml") == tmp_path / "_data" / "registry.toml" != source
+    assert _resources.data_file("registry.toml") == tmp_path / "_data" / "registry.toml" != shipped
     with pytest.raises(FileNotFoundError, match=r"none\.txt"):
         _resources.data_file("none.txt")
