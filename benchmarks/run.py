@@ -79,7 +79,7 @@ def bal_files() -> list[Path]:
     real = [SHARED / "bal" / f"problem-{name}-pre.txt" for name in ("49-7776", "21-11315")]
     return [
         *(path for path in real if path.is_file()),
-        *sorted((ROOT / "data" / "bal").glob("*[0-9].txt.gz")),
+        *(ROOT / "data" / "bal" / f"{scene}.txt.gz" for scene in ("street", "orbit")),
     ]
 
 

@@ -10,10 +10,20 @@
 namespace raylign {
 namespace {
 
-// a I + b [ω]× + c ([ω]×)², the form of every function of [ω]×; ([ω]×)² = ω ωᵀ − ‖ω‖² I.
+// a I + b [ω]× + c ([ω]×)², the form of every function of [ω]×; ([ω]×)² = ω ωᵀ − ‖ω‖² I. Written out,
+// because it stands in the innermost loop of bundle adjustment.
 Matrix3 polynomial(const Vector3& omega, double a, double b, double c) {
-  Matrix3 m = c * omega * omega.transpose() + b * so3_hat(omega);
-  m.diagonal().array() += a - c * omega.squaredNorm();
+  const double x = omega.x();
+  const double y = omega.y();
+  const double z = omega.z();
+  const double d = a - c * (x * x + y * y + z * z);
+  const double cxy = c * x * y;
+  const double cxz = c * x * z;
+  const double cyz = c * y * z;
+  Matrix3 m;
+  m << d + c * x * x, cxy - b * z, cxz + b * y,  //
+      cxy + b * z, d + c * y * y, cyz - b * x,   //
+      cxz - b * y, cyz + b * x, d + c * z * z;
   return m;
 }
 
@@ -27,7 +37,7 @@ Coefficients exp_coefficients(double theta_squared) {
   const double theta = std::sqrt(theta_squared);
   if (theta == 0.0) return {1.0, 0.5};
   const double half_sine = std::sin(theta / 2.0) / theta;
-  return {std::sin(theta) / theta, 2.0 * half_sine * half_sine};
+  return {2.0 * half_sine * std::cos(theta / 2.0), 2.0 * half_sine * half_sine};
 }
 
 }  // namespace
