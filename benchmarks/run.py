@@ -83,6 +83,16 @@ def bal_files() -> list[Path]:
     ]
 
 
+def short_name(path: Path) -> str:
+    """`problem-49-7776-pre.txt` → `49-7776`: what a column has room for."""
+    return (
+        path.name.removesuffix(".gz")
+        .removesuffix(".txt")
+        .removeprefix("problem-")
+        .removesuffix("-pre")
+    )
+
+
 def run_bal_program(folder: Path, path: Path, *flags: str) -> list[dict]:
     output = subprocess.run(
         [folder / "bal_ceres_benchmark", path, *flags], check=True, capture_output=True, text=True
@@ -123,7 +133,7 @@ def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
 
         ratios = {pose: median_ratio(rows, pose, field) for pose in ("se3", "angle_axis")}
         table.add_row(
-            path.name,
+            short_name(path),
             f"{median('ceres_autodiff', 'angle_axis'):.0f}",
             f"{median('raylign_ceres', 'se3'):.0f}",
             f"{ratios['se3']:.2f}",
@@ -149,7 +159,7 @@ def bench_final_cost(folder: Path, console: Console) -> list[dict]:
         ours = next(row for row in rows if row["pose"] == "se3")
         difference = ours["final_cost"] / autodiff["final_cost"] - 1.0
         table.add_row(
-            path.name,
+            short_name(path),
             f"{autodiff['initial_cost']:.6e}",
             f"{autodiff['final_cost']:.6f}",
             f"{ours['final_cost']:.6f}",
@@ -181,7 +191,7 @@ def bench_reading(repeats: int, console: Console) -> list[dict]:
             megabytes = path.stat().st_size / 1e6
         speed = {name: megabytes / statistics.median(values) for name, values in seconds.items()}
         table.add_row(
-            source.name, f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}"
+            short_name(source), f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}"
         )
         results.append({"problem": source.name, "megabytes": megabytes, "megabytes_per_s": speed})
     console.print(table)

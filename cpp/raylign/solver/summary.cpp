@@ -21,16 +21,19 @@ std::string format(const char* pattern, ...) {
 }  // namespace
 
 bool Summary::is_usable() const {
-  return termination != Termination::NOT_RUN && termination != Termination::FAILURE;
+  if (termination == Termination::FAILURE) return num_accepted > 0;
+  return termination != Termination::NOT_RUN;
 }
 
 std::string Summary::brief_report() const {
+  if (!is_usable()) return to_string(termination) + ": " + message;
   return format("%s: cost %.6e -> %.6e, %d accepted and %d rejected steps, %.3f s",
                 to_string(termination).c_str(), initial_cost, final_cost, num_accepted,
                 num_rejected, total_time_s);
 }
 
 std::string Summary::full_report() const {
+  if (!is_usable()) return brief_report() + "\n";
   std::string text;
   text += format("backend            %s (%d thread%s, %s)\n", backend.c_str(), num_threads,
                  num_threads == 1 ? "" : "s",
