@@ -361,7 +361,7 @@ class BundleOptions:
         backend: Backend | str = ...,
         pose_parametrization: PoseParametrization | str = ...,
         point_parametrization: PointParametrization | str = ...,
-        loss: Loss = ...,
+        loss: Loss | str = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
     ) -> None: ...
@@ -371,7 +371,7 @@ class BundleOptions:
         backend: Backend | str = ...,
         pose_parametrization: PoseParametrization | str = ...,
         point_parametrization: PointParametrization | str = ...,
-        loss: Loss = ...,
+        loss: Loss | str = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
     ) -> Self: ...
