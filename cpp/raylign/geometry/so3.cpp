@@ -10,8 +10,8 @@
 namespace raylign {
 namespace {
 
-// a I + b [ω]× + c ([ω]×)², the form of every function of [ω]×; ([ω]×)² = ω ωᵀ − ‖ω‖² I. Written out,
-// because it stands in the innermost loop of bundle adjustment.
+// a I + b [ω]× + c ([ω]×)², the form of every function of [ω]×; ([ω]×)² = ω ωᵀ − ‖ω‖² I. Written
+// out, because it stands in the innermost loop of bundle adjustment.
 Matrix3 polynomial(const Vector3& omega, double a, double b, double c) {
   const double x = omega.x();
   const double y = omega.y();
