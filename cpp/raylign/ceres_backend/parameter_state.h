@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "raylign/ceres_backend/constants.h"
+#include "raylign/parametrization/constants.h"
 #include "raylign/scene/bal_problem.h"
 #include "raylign/solver/bundle_options.h"
 

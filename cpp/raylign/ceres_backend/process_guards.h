@@ -17,17 +17,4 @@ class ScopedGlogSilence {
   int previous_level_;
 };
 
-/// Gives OpenBLAS one thread while it lives, if OpenBLAS is what the process runs: its own threads
-/// change the order of sums and fight with the solver's. Other BLAS libraries are left as they are.
-class ScopedSingleThreadedBlas {
- public:
-  ScopedSingleThreadedBlas();
-  ~ScopedSingleThreadedBlas();
-  ScopedSingleThreadedBlas(const ScopedSingleThreadedBlas&) = delete;
-  ScopedSingleThreadedBlas& operator=(const ScopedSingleThreadedBlas&) = delete;
-
- private:
-  int previous_threads_ = 0;
-};
-
 }  // namespace raylign::ceres_backend

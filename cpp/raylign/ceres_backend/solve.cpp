@@ -4,8 +4,7 @@
 
 #include <ceres/crs_matrix.h>
 
-#include <cmath>
-
+#include "raylign/base/blas_threads.h"
 #include "raylign/base/error.h"
 #include "raylign/base/stopwatch.h"
 #include "raylign/ceres_backend/process_guards.h"
@@ -61,45 +60,6 @@ void set_ordering(ReprojectionProblem& problem, ceres::Solver::Options& options)
   options.linear_solver_ordering = ordering;
 }
 
-// Empty when every residual is finite; else which observation is not, and why. Asked before Ceres
-// sees a number: it aborts the process on NaN parameters.
-std::string describe_invalid_start(const BalProblem& problem) {
-  const auto residuals = reprojection_residuals(problem);
-  for (std::int64_t i = 0; i < problem.num_observations(); ++i) {
-    if (std::isfinite(residuals.row(i).squaredNorm())) continue;
-    return "the start is invalid: observation " + std::to_string(i) + " (camera " +
-           std::to_string(problem.camera_index[i]) + ", point " +
-           std::to_string(problem.point_index[i]) +
-           ") has no finite reprojection error; its depth is " + format_double(depths(problem)[i]);
-  }
-  return "";
-}
-
-Summary failure(const std::string& message) {
-  Summary summary;
-  summary.termination = Termination::FAILURE;
-  summary.backend = "ceres";
-  summary.message = message;
-  return summary;
-}
-
-Summary nothing_to_do() {
-  Summary summary;
-  summary.termination = Termination::CONVERGENCE;
-  summary.backend = "ceres";
-  summary.message = "nothing to adjust: the problem has no observations";
-  summary.initial_cost = summary.final_cost = 0.0;
-  summary.deterministic = true;
-  return summary;
-}
-
-void count_steps(Summary& summary) {
-  for (const IterationSummary& row : summary.iterations) {
-    if (row.iteration == 0) continue;
-    (row.step_is_accepted ? summary.num_accepted : summary.num_rejected) += 1;
-  }
-}
-
 // Ceres reports no iteration when every block is constant; a caller always finds row 0.
 void ensure_first_row(Summary& summary, int num_residual_blocks) {
   if (!summary.iterations.empty()) return;
@@ -116,7 +76,7 @@ Summary solve(BalProblem& problem,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback) {
-  if (problem.num_observations() == 0) return nothing_to_do();
+  if (problem.num_observations() == 0) return nothing_to_adjust("ceres");
   const Stopwatch stopwatch;
   const ScopedGlogSilence silence;
   const ScopedSingleThreadedBlas single_threaded_blas;
@@ -124,8 +84,9 @@ Summary solve(BalProblem& problem,
       choose_linear_solver(options.linear_solver.type, problem.num_cameras());
   if (choice.type == LinearSolverType::DENSE_NORMAL_CHOLESKY) check_dense_memory(problem);
 
-  const std::string invalid = describe_invalid_start(problem);
-  if (!invalid.empty()) return failure(invalid);
+  // asked before Ceres sees a number: it aborts the process on NaN parameters
+  const std::string invalid = describe_invalid_residual(problem);
+  if (!invalid.empty()) return failed_summary("ceres", invalid);
   const auto built = ReprojectionProblem::create(problem, config, options);
 
   BundleOptions resolved = options;
@@ -145,7 +106,7 @@ Summary solve(BalProblem& problem,
   summary.linear_solver_reason = choice.reason;
   summary.iterations = bridge.iterations();
   ensure_first_row(summary, num_residual_blocks);
-  count_steps(summary);
+  summary.count_steps();
   if (summary.is_usable()) built->write_back(problem);
   summary.preprocessor_time_s += build_time_s;
   summary.total_time_s = stopwatch.seconds();
@@ -156,7 +117,7 @@ Linearization linearize(const BalProblem& problem,
                         const BundleConfig& config,
                         const BundleOptions& options) {
   const ScopedGlogSilence silence;
-  const std::string invalid = describe_invalid_start(problem);
+  const std::string invalid = describe_invalid_residual(problem);
   if (!invalid.empty()) throw Error(invalid);
   const auto built = ReprojectionProblem::create(problem, config, options);
 
