@@ -9,7 +9,9 @@ import pytest
 
 import oracle
 import raylign
+from raylign import bundle
 from raylign.bundle import (
+    Backend,
     BundleConfig,
     BundleOptions,
     ConstantCoordinate,
@@ -22,7 +24,6 @@ from raylign.bundle import (
     PoseParametrization,
     Preconditioner,
     Termination,
-    adjust,
 )
 from raylign.robust import Loss, LossType
 
@@ -34,6 +35,30 @@ TIGHT = LmOptions(
 )
 
 
+BACKENDS = list(Backend)
+POINTS = [  # what each engine can do
+    (Backend.CERES, PointParametrization.XYZ),
+    (Backend.CERES, PointParametrization.HOMOGENEOUS),
+    (Backend.CERES, PointParametrization.INVERSE_DEPTH),
+    (Backend.NATIVE, PointParametrization.XYZ),
+]
+
+
+@pytest.fixture(params=BACKENDS, ids=lambda b: b.name)
+def backend(request):
+    return request.param
+
+
+@pytest.fixture
+def adjust(backend):
+    """raylign.bundle.adjust with each engine in turn."""
+
+    def run(problem, *, options=BundleOptions(), **keywords):
+        return bundle.adjust(problem, options=options.replace(backend=backend), **keywords)
+
+    return run
+
+
 @pytest.fixture
 def perturbed(tiny_problem):
     rng = np.random.default_rng(3)
@@ -42,7 +67,7 @@ def perturbed(tiny_problem):
     return tiny_problem
 
 
-def test_cost_goes_down_and_equals_the_independent_evaluator(perturbed):
+def test_cost_goes_down_and_equals_the_independent_evaluator(adjust, perturbed):
     before = perturbed.copy()
     result = adjust(perturbed)
     summary = result.summary
@@ -54,7 +79,7 @@ def test_cost_goes_down_and_equals_the_independent_evaluator(perturbed):
     assert summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
 
 
-def test_summary_tells_the_whole_story(perturbed):
+def test_summary_tells_the_whole_story(adjust, backend, perturbed):
     summary = adjust(perturbed).summary
     rows = summary.iterations
     assert rows["iteration"].tolist() == list(range(len(rows)))
@@ -70,18 +95,67 @@ def test_summary_tells_the_whole_story(perturbed):
     assert summary.num_accepted == np.count_nonzero(rows["step_is_accepted"])
     assert summary.num_residuals == 160
     assert summary.num_effective_parameters == 4 * 9 + 20 * 3
-    assert summary.backend == "ceres"
+    assert summary.backend == backend.name.lower()
     assert summary.linear_solver is LinearSolverType.DENSE_SCHUR
     assert "4 cameras" in summary.linear_solver_reason
     assert "convergence" in summary.brief_report()
     assert "dense_schur" in summary.full_report()
 
 
-def test_same_input_same_bits(perturbed):
+def test_same_input_same_bits(adjust, perturbed):
     first, second = adjust(perturbed), adjust(perturbed)
     assert first.problem == second.problem
     assert first.summary.deterministic
     assert first.summary.iterations["cost"].tobytes() == second.summary.iterations["cost"].tobytes()
+
+
+@pytest.mark.parametrize("backend", [Backend.NATIVE])
+def test_native_gives_the_same_bits_on_any_number_of_threads(adjust):
+    problem = raylign.synthetic.bal(num_cameras=20, num_points=3000, seed=2).problem
+    reference = adjust(problem)
+    for num_threads in (2, 4, 4):
+        options = BundleOptions(lm=LmOptions(num_threads=num_threads))
+        result = adjust(problem, options=options)
+        assert result.problem == reference.problem
+        assert result.summary.deterministic
+        assert (
+            result.summary.iterations["cost"].tobytes()
+            == reference.summary.iterations["cost"].tobytes()
+        )
+
+
+@pytest.mark.parametrize("backend", [Backend.NATIVE])
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [
+        (BundleOptions(point_parametrization="homogeneous"), "point_parametrization"),
+        (BundleOptions(point_parametrization="inverse_depth"), "point_parametrization"),
+        (
+            BundleOptions(linear_solver=LinearSolverOptions(type="sparse_schur")),
+            "LinearSolverOptions.type",
+        ),
+    ],
+    ids=["homogeneous", "inverse depth", "sparse"],
+)
+def test_native_refuses_what_it_does_not_do(adjust, perturbed, options, field):
+    with pytest.raises(raylign.OptionsError, match=field):
+        adjust(perturbed, options=options)
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+def test_both_engines_walk_the_same_path(perturbed, pose):
+    rows = {
+        backend: bundle.adjust(
+            perturbed, options=BundleOptions(backend=backend, pose_parametrization=pose)
+        ).summary.iterations
+        for backend in Backend
+    }
+    count = min(len(r) for r in rows.values())
+    assert count >= 4
+    for column, rtol in (("cost", 1e-9), ("lambda", 1e-6)):
+        np.testing.assert_allclose(
+            rows[Backend.NATIVE][column][:count], rows[Backend.CERES][column][:count], rtol=rtol
+        )
 
 
 SCHUR_SOLVERS = [
@@ -101,10 +175,14 @@ SCHUR_SOLVERS = [
 
 
 @pytest.mark.parametrize(
-    "solver", SCHUR_SOLVERS, ids=lambda s: f"{s.type.name}-{s.preconditioner.name}"
+    ("backend", "point", "solver"),
+    [
+        *((*engine, solver) for engine in POINTS[:3] for solver in SCHUR_SOLVERS),
+        (Backend.NATIVE, PointParametrization.XYZ, SCHUR_SOLVERS[0]),
+    ],
+    ids=lambda v: v.name if hasattr(v, "name") else f"{v.type.name}-{v.preconditioner.name}",
 )
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_every_linear_solver_reaches_the_same_cost(perturbed, solver, point):
+def test_every_linear_solver_reaches_the_same_cost(adjust, perturbed, solver, point):
     reference = adjust(perturbed, options=BundleOptions(lm=TIGHT)).summary.final_cost
     options = BundleOptions(linear_solver=solver, point_parametrization=point, lm=TIGHT)
     summary = adjust(perturbed, options=options).summary
@@ -116,7 +194,7 @@ def test_every_linear_solver_reaches_the_same_cost(perturbed, solver, point):
 @pytest.mark.parametrize(
     "loss", [Loss(type=t, scale=1.5) for t in LossType], ids=lambda x: x.type.name
 )
-def test_robust_cost_is_the_sum_of_rho(perturbed, loss):
+def test_robust_cost_is_the_sum_of_rho(adjust, perturbed, loss):
     perturbed.observations[::17] += 40.0  # outliers
     result = adjust(perturbed, options=BundleOptions(loss=loss))
     for problem, cost in (
@@ -129,7 +207,7 @@ def test_robust_cost_is_the_sum_of_rho(perturbed, loss):
     assert result.summary.final_cost < result.summary.initial_cost
 
 
-def test_robust_loss_shrugs_off_outliers(perturbed):
+def test_robust_loss_shrugs_off_outliers(adjust, perturbed):
     clean = adjust(perturbed, options=BundleOptions(lm=TIGHT)).problem
     perturbed.observations[::17] += 60.0
     inliers = np.ones(80, bool)
@@ -147,8 +225,8 @@ def test_robust_loss_shrugs_off_outliers(perturbed):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_constant_blocks_come_back_bit_by_bit(perturbed, pose, point):
+@pytest.mark.parametrize(("backend", "point"), POINTS, ids=lambda p: p.name)
+def test_constant_blocks_come_back_bit_by_bit(adjust, perturbed, pose, point):
     config = BundleConfig(
         constant_cameras=[1], constant_intrinsics=[0, 2], constant_points=[3, 4, 11]
     )
@@ -166,7 +244,7 @@ def test_constant_blocks_come_back_bit_by_bit(perturbed, pose, point):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-def test_constant_coordinates_come_back_bit_by_bit(perturbed, pose):
+def test_constant_coordinates_come_back_bit_by_bit(adjust, perturbed, pose):
     held = [
         ConstantCoordinate(kind=ParameterKind.POSE, index=0, coordinate="rotation"),
         ConstantCoordinate(kind=ParameterKind.POSE, index=1, coordinate="tx"),
@@ -191,7 +269,7 @@ def test_constant_coordinates_come_back_bit_by_bit(perturbed, pose):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-def test_gauge_choices_reach_the_same_cost(perturbed, pose):
+def test_gauge_choices_reach_the_same_cost(adjust, perturbed, pose):
     costs, freedoms = {}, {}
     for gauge in Gauge:
         options = BundleOptions(pose_parametrization=pose, lm=TIGHT)
@@ -204,7 +282,7 @@ def test_gauge_choices_reach_the_same_cost(perturbed, pose):
     assert freedoms[Gauge.FREE] - freedoms[Gauge.TWO_CAMERAS] == 7
 
 
-def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(perturbed):
+def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(adjust, perturbed):
     refined = adjust(perturbed, config=BundleConfig(gauge=Gauge.TWO_CAMERAS)).problem
     centers = perturbed.camera_centers()
     farthest = int(np.argmax(np.linalg.norm(centers - centers[0], axis=1)))
@@ -217,7 +295,7 @@ def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(pertur
     np.testing.assert_array_equal(held, expected)
 
 
-def test_everything_constant_changes_nothing(perturbed):
+def test_everything_constant_changes_nothing(adjust, perturbed):
     config = BundleConfig(
         constant_cameras=range(4), constant_intrinsics=range(4), constant_points=range(20)
     )
@@ -240,12 +318,13 @@ def test_everything_constant_changes_nothing(perturbed):
         ),
     ],
 )
-def test_an_index_outside_the_problem_is_an_options_error(perturbed, config, field):
+def test_an_index_outside_the_problem_is_an_options_error(adjust, perturbed, config, field):
     with pytest.raises(raylign.OptionsError, match=field):
         adjust(perturbed, config=config)
 
 
-def test_contradicting_options_are_refused(perturbed):
+@pytest.mark.parametrize("backend", [Backend.CERES])
+def test_contradicting_options_are_refused(adjust, perturbed):
     with pytest.raises(raylign.OptionsError, match="explicit_schur"):
         LinearSolverOptions(
             type=LinearSolverType.ITERATIVE_SCHUR,
@@ -263,7 +342,8 @@ def test_contradicting_options_are_refused(perturbed):
         )
 
 
-def test_dense_normal_equations_refuse_to_fill_the_memory():
+@pytest.mark.parametrize("backend", [Backend.CERES])
+def test_dense_normal_equations_refuse_to_fill_the_memory(adjust):
     problem = raylign.synthetic.bal(num_cameras=50, num_points=8000, seed=1).problem
     options = BundleOptions(
         linear_solver=LinearSolverOptions(type=LinearSolverType.DENSE_NORMAL_CHOLESKY)
@@ -275,7 +355,7 @@ def test_dense_normal_equations_refuse_to_fill_the_memory():
 # --- callback, stop, limits ----------------------------------------------------------------------
 
 
-def test_callback_sees_every_iteration_in_order(perturbed):
+def test_callback_sees_every_iteration_in_order(adjust, perturbed):
     seen = []
     summary = adjust(perturbed, callback=lambda it: seen.append((it.iteration, it.cost))).summary
     assert seen == list(
@@ -283,7 +363,7 @@ def test_callback_sees_every_iteration_in_order(perturbed):
     )
 
 
-def test_callback_returning_false_stops_with_the_best_state(perturbed):
+def test_callback_returning_false_stops_with_the_best_state(adjust, perturbed):
     result = adjust(perturbed, callback=lambda it: it.iteration < 2)
     assert result.summary.termination is Termination.USER_STOPPED
     assert len(result.summary.iterations) == 3
@@ -292,12 +372,12 @@ def test_callback_returning_false_stops_with_the_best_state(perturbed):
 
 
 @pytest.mark.parametrize("answer", [None, True, 0, 1, "stop"])
-def test_only_false_stops(perturbed, answer):
+def test_only_false_stops(adjust, perturbed, answer):
     summary = adjust(perturbed, callback=lambda it: answer).summary
     assert summary.termination is Termination.CONVERGENCE
 
 
-def test_exception_in_the_callback_comes_out(perturbed):
+def test_exception_in_the_callback_comes_out(adjust, perturbed):
     class MineError(Exception):
         pass
 
@@ -311,7 +391,7 @@ def test_exception_in_the_callback_comes_out(perturbed):
     assert perturbed == before
 
 
-def test_ctrl_c_stops_with_the_best_state(perturbed):
+def test_ctrl_c_stops_with_the_best_state(adjust, perturbed):
     def callback(iteration):
         if iteration.iteration == 1:
             os.kill(os.getpid(), signal.SIGINT)
@@ -322,14 +402,14 @@ def test_ctrl_c_stops_with_the_best_state(perturbed):
     assert result.summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
 
 
-def test_keyboard_interrupt_raised_by_the_callback_is_a_stop(perturbed):
+def test_keyboard_interrupt_raised_by_the_callback_is_a_stop(adjust, perturbed):
     def callback(iteration):
         raise KeyboardInterrupt
 
     assert adjust(perturbed, callback=callback).summary.termination is Termination.USER_STOPPED
 
 
-def test_other_threads_run_during_a_solve(perturbed):
+def test_other_threads_run_during_a_solve(adjust, perturbed):
     ticks = []
     stop = threading.Event()
 
@@ -352,7 +432,7 @@ def test_other_threads_run_during_a_solve(perturbed):
     assert sum(seen) > 0
 
 
-def test_zero_iterations_only_evaluate(perturbed):
+def test_zero_iterations_only_evaluate(adjust, perturbed):
     result = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_num_iterations=0)))
     assert result.problem == perturbed
     assert result.summary.termination is Termination.MAX_ITERATIONS
@@ -360,7 +440,7 @@ def test_zero_iterations_only_evaluate(perturbed):
     assert len(result.summary.iterations) == 1
 
 
-def test_iteration_and_time_limits_are_told_apart(perturbed):
+def test_iteration_and_time_limits_are_told_apart(adjust, perturbed):
     few = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_num_iterations=1))).summary
     assert few.termination is Termination.MAX_ITERATIONS
     late = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_solver_time_s=1e-9))).summary
@@ -393,8 +473,8 @@ def subproblem(problem, keep):
     ],
     ids=["empty", "one observation", "one camera", "one point", "two cameras"],
 )
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_degenerate_problems_give_a_finite_answer(perturbed, make, point):
+@pytest.mark.parametrize(("backend", "point"), POINTS, ids=lambda p: p.name)
+def test_degenerate_problems_give_a_finite_answer(adjust, perturbed, make, point):
     keep = make(perturbed)
     problem = subproblem(perturbed, keep)
     result = adjust(problem, options=BundleOptions(point_parametrization=point))
@@ -408,7 +488,7 @@ def test_degenerate_problems_give_a_finite_answer(perturbed, make, point):
     )
 
 
-def test_duplicate_observations_count_twice(tiny_problem):
+def test_duplicate_observations_count_twice(adjust, tiny_problem):
     twice = subproblem(tiny_problem, np.r_[np.arange(80), 7])
     extra = 0.5 * np.sum(oracle.residuals(tiny_problem)[7] ** 2)
     summary = adjust(twice).summary
@@ -417,7 +497,7 @@ def test_duplicate_observations_count_twice(tiny_problem):
 
 
 @pytest.mark.parametrize("where", ["points", "cameras", "observations"])
-def test_nan_at_the_start_is_a_failure_that_names_the_observation(tiny_problem, where):
+def test_nan_at_the_start_is_a_failure_that_names_the_observation(adjust, tiny_problem, where):
     getattr(tiny_problem, where)[2, 0] = np.nan
     before = tiny_problem.copy()
     result = adjust(tiny_problem)
@@ -428,7 +508,7 @@ def test_nan_at_the_start_is_a_failure_that_names_the_observation(tiny_problem, 
     assert result.problem == before
 
 
-def test_point_in_the_camera_plane_is_a_failure(tiny_problem):
+def test_point_in_the_camera_plane_is_a_failure(adjust, tiny_problem):
     centers = tiny_problem.camera_centers()
     tiny_problem.points[4] = centers[0]
     summary = adjust(tiny_problem).summary
@@ -436,7 +516,7 @@ def test_point_in_the_camera_plane_is_a_failure(tiny_problem):
     assert "point 4" in summary.message
 
 
-def test_views_with_a_broken_index_are_refused(tiny_problem):
+def test_views_with_a_broken_index_are_refused(adjust, tiny_problem):
     tiny_problem.camera_index[3] = 99
     with pytest.raises(raylign.ShapeError, match="camera_index"):
         adjust(tiny_problem)

@@ -35,7 +35,7 @@ CameraBlocks::CameraBlocks(const BalProblem& problem,
                            const std::vector<bool>& observed)
     : parametrization_(parametrization), held_(held), offsets_{0} {
   const auto count = static_cast<int>(problem.num_cameras());
-  maps_.assign(static_cast<std::size_t>(count) * kBlock, 0.0);
+  maps_.assign(count, Block{});
   for (int i = 0; i < count; ++i) {
     const auto row = problem.cameras.row(i);
     const Vector3 omega = row.head<3>().transpose();
@@ -75,7 +75,7 @@ void CameraBlocks::update_map(int i) {
   const Camera& camera = cameras_[i];
   const PoseMask& mask = held_.poses[i];
   const Matrix6 M = canonical_from_left(update(), rotation(camera), camera.t);
-  MapRows B(maps_.data() + i * kBlock);
+  MapRows B(maps_[i].values);
   B.setZero();
   int column = 0;
   if (is_angle_axis()) {  // tangent [δω; δt], φ = J_l δω

@@ -28,7 +28,7 @@ class CameraBlocks {
   int size(int i) const { return offsets_[i + 1] - offsets_[i]; }
 
   /// B_i: nine rows of kRow, size(i) columns used, zeros beyond.
-  const double* map(int i) const { return maps_.data() + i * kBlock; }
+  const Block& map(int i) const { return maps_[i]; }
   const CameraPacket* packets() const { return packets_.data(); }
   const CameraPacket* trial_packets() const { return trial_packets_.data(); }
 
@@ -67,7 +67,7 @@ class CameraBlocks {
   std::vector<int> offsets_;
   std::vector<Camera> initial_, cameras_, trial_;
   std::vector<CameraPacket> packets_, trial_packets_;
-  std::vector<double> maps_;
+  std::vector<Block> maps_;
 };
 
 }  // namespace raylign::native

@@ -19,6 +19,14 @@
 namespace raylign::native {
 namespace {
 
+// Four lanes of a padded row. GCC leaves loops of twelve scalar; as a vector type they become AVX
+// where the clone has it, and pairs of SSE2 where not.
+typedef double Lanes __attribute__((vector_size(32), may_alias));
+constexpr int kLanes = kRow / 4;
+
+RAYLIGN_INLINE Lanes* lanes(double* row) { return reinterpret_cast<Lanes*>(row); }
+RAYLIGN_INLINE const Lanes* lanes(const double* row) { return reinterpret_cast<const Lanes*>(row); }
+
 RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
@@ -120,14 +128,15 @@ RAYLIGN_INLINE void add_landmark(const double* A, const double* r, LandmarkBlock
   for (int k = 0; k < 3; ++k) block.g[k] += A[k] * r[0] + b[k] * r[1];
 }
 
-RAYLIGN_INLINE void add_camera(const double* __restrict F, const double* r, CameraSums& sums) {
-  double* __restrict U = sums.U;
+RAYLIGN_INLINE void add_camera(const double* F, const double* r, CameraSums& sums) {
+  const Lanes* f0 = lanes(F);
+  const Lanes* f1 = lanes(F + kRow);
   for (int row = 0; row < 9; ++row) {
-    const double f0 = F[row];
-    const double f1 = F[kRow + row];
-    for (int k = 0; k < kRow; ++k) U[row * kRow + k] += f0 * F[k] + f1 * F[kRow + k];
+    Lanes* U = lanes(sums.U.values + row * kRow);
+    for (int v = 0; v < kLanes; ++v) U[v] += F[row] * f0[v] + F[kRow + row] * f1[v];
   }
-  for (int k = 0; k < kRow; ++k) sums.g[k] += F[k] * r[0] + F[kRow + k] * r[1];
+  Lanes* g = lanes(sums.g);
+  for (int v = 0; v < kLanes; ++v) g[v] += r[0] * f0[v] + r[1] * f1[v];
 }
 
 // y = Wᵀ x and y = W x for the upper triangle W = (xx, xy, xz, yy, yz, zz).
@@ -143,29 +152,37 @@ RAYLIGN_INLINE void multiply(const double* W, const double* x, double* y) {
   y[2] = W[5] * x[2];
 }
 
-// Zᵀ = (A W)ᵀ F: three rows of kRow.
+// Zᵀ = (A W)ᵀ F.
 RAYLIGN_INLINE void eliminate(const ObservationJacobian& J,
                               const double* W,
-                              const double* __restrict F,
-                              double* __restrict Z) {
+                              const double* F,
+                              Elimination& out) {
   double E[2][3];
   multiply_transposed(W, J.A, E[0]);
   multiply_transposed(W, J.A + 3, E[1]);
   for (int m = 0; m < 3; ++m) {
-    for (int k = 0; k < kRow; ++k) Z[m * kRow + k] = E[0][m] * F[k] + E[1][m] * F[kRow + k];
+    Lanes* Z = lanes(out.Z + m * kRow);
+    for (int v = 0; v < kLanes; ++v) {
+      Z[v] = E[0][m] * lanes(F)[v] + E[1][m] * lanes(F + kRow)[v];
+    }
   }
 }
 
 // S −= Z_i Z_kᵀ: the innermost loop of bundle adjustment.
-RAYLIGN_INLINE void subtract_product(const double* __restrict Z_i,
-                                     const double* __restrict Z_k,
-                                     double* __restrict S) {
+RAYLIGN_INLINE void subtract_product(const Elimination& Z_i, const Elimination& Z_k, Block& S) {
+  Lanes z[3][kLanes];
+  for (int m = 0; m < 3; ++m) {
+    for (int v = 0; v < kLanes; ++v) z[m][v] = lanes(Z_k.Z + m * kRow)[v];
+  }
   for (int row = 0; row < 9; ++row) {
-    const double x = Z_i[row];
-    const double y = Z_i[kRow + row];
-    const double z = Z_i[2 * kRow + row];
-    for (int k = 0; k < kRow; ++k) {
-      S[row * kRow + k] -= x * Z_k[k] + y * Z_k[kRow + k] + z * Z_k[2 * kRow + k];
+    const double* w = Z_i.Z + row;
+    Lanes* out = lanes(S.values + row * kRow);
+    for (int v = 0; v < kLanes; ++v) {
+      Lanes sum = out[v];  // one after the other: three fused multiply-subtracts
+      sum -= w[0] * z[0][v];
+      sum -= w[kRow] * z[1][v];
+      sum -= w[2 * kRow] * z[2][v];
+      out[v] = sum;
     }
   }
 }
@@ -197,7 +214,7 @@ RAYLIGN_CLONES double linearize(const Observations& observations,
       const double s = r[0] * r[0] + r[1] * r[1];
       cost += loss == nullptr ? s : apply_loss(*loss, s, J_q, r);
       J[q] = J_q;
-      double F[2 * kRow];
+      alignas(32) double F[2 * kRow];
       camera_rows(J_q, X + 3 * j, packets[i].c, F);
       add_landmark(J_q.A, r, block);
       add_camera(F, r, cameras[i]);
@@ -217,7 +234,7 @@ RAYLIGN_CLONES void subtract_landmarks(const Observations& observations,
                                        std::int32_t row_begin,
                                        std::int32_t row_end,
                                        const SchurBlocks& S,
-                                       double* scratch,
+                                       Elimination* scratch,
                                        std::int32_t* ids) {
   for (std::int64_t j = 0; j < num_landmarks; ++j) {
     const std::int64_t first = observations.starts[j];
@@ -231,51 +248,54 @@ RAYLIGN_CLONES void subtract_landmarks(const Observations& observations,
     for (std::int64_t q = first; q < last; ++q) {
       const std::int32_t i = observations.camera[q];
       if (i < row_begin || S.active[i] == 0) continue;
-      double F[2 * kRow];
+      alignas(32) double F[2 * kRow];
       camera_rows(J[q], X + 3 * j, packets[i].c, F);
-      double* Z = scratch + 3 * kRow * count;
-      eliminate(J[q], W, F, Z);
+      const double* Z = scratch[count].Z;
+      eliminate(J[q], W, F, scratch[count]);
       ids[count++] = i;
       if (i >= row_end) continue;
-      double* __restrict rhs = S.rhs + std::int64_t{i} * kRow;
-      for (int k = 0; k < kRow; ++k) {
+      double* rhs = S.rhs + std::int64_t{i} * kRow;
+      for (int k = 0; k < 9; ++k)
         rhs[k] += Z[k] * y[0] + Z[kRow + k] * y[1] + Z[2 * kRow + k] * y[2];
-      }
     }
     for (int a = 0; a < count && ids[a] < row_end; ++a) {
-      const double* Z_a = scratch + 3 * kRow * a;
       const std::int64_t* index = S.index + std::int64_t{ids[a]} * S.num_cameras;
       for (int b = a; b < count; ++b) {
-        const double* Z_b = scratch + 3 * kRow * b;
-        double* block = S.values + index[ids[b]] * kBlock;
-        subtract_product(Z_a, Z_b, block);
+        Block& block = S.blocks[index[ids[b]]];
+        subtract_product(scratch[a], scratch[b], block);
         // the same camera twice in a track: both orders fall into one block
-        if (a != b && ids[a] == ids[b]) subtract_product(Z_b, Z_a, block);
+        if (a != b && ids[a] == ids[b]) subtract_product(scratch[b], scratch[a], block);
       }
     }
   }
 }
 
-RAYLIGN_CLONES void fold_block(const double* M,
-                               const double* B_i,
-                               const double* B_k,
+RAYLIGN_CLONES void fold_block(const Block& M,
+                               const Block& B_i,
+                               const Block& B_k,
                                int rows,
                                int columns,
                                double* out,
                                std::int64_t stride) {
-  double P[kBlock] = {};
+  Block P;
   for (int row = 0; row < 9; ++row) {
+    Lanes sum[kLanes] = {};
     for (int m = 0; m < 9; ++m) {
-      const double x = M[row * kRow + m];
-      for (int k = 0; k < kRow; ++k) P[row * kRow + k] += x * B_k[m * kRow + k];
+      for (int v = 0; v < kLanes; ++v) {
+        sum[v] += M.values[row * kRow + m] * lanes(B_k.values + m * kRow)[v];
+      }
     }
+    for (int v = 0; v < kLanes; ++v) lanes(P.values + row * kRow)[v] = sum[v];
   }
   for (int a = 0; a < rows; ++a) {
-    double Q[kRow] = {};
+    alignas(32) double Q[kRow];
+    Lanes sum[kLanes] = {};
     for (int row = 0; row < 9; ++row) {
-      const double x = B_i[row * kRow + a];
-      for (int k = 0; k < kRow; ++k) Q[k] += x * P[row * kRow + k];
+      for (int v = 0; v < kLanes; ++v) {
+        sum[v] += B_i.values[row * kRow + a] * lanes(P.values + row * kRow)[v];
+      }
     }
+    for (int v = 0; v < kLanes; ++v) lanes(Q)[v] = sum[v];
     for (int k = 0; k < columns; ++k) out[a * stride + k] = Q[k];
   }
 }

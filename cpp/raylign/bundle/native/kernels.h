@@ -20,6 +20,15 @@ inline constexpr int kRow = 12;
 /// A 9×9 block in such rows.
 inline constexpr int kBlock = 9 * kRow;
 
+struct alignas(32) Block {
+  double values[kBlock];
+};
+
+/// Zᵀ of one observation: three rows of kRow.
+struct alignas(32) Elimination {
+  double Z[3 * kRow];
+};
+
 /// A camera as the kernels read it; R_cw by rows, c = −Rᵀt.
 struct CameraPacket {
   double R[9];
@@ -48,8 +57,8 @@ struct LandmarkFactor {
 
 /// H and g of a camera in the canonical tangent.
 struct CameraSums {
-  double U[kBlock];
-  double g[kRow];
+  Block U;
+  alignas(32) double g[kRow];
 };
 
 /// The data that every kernel walks along; `landmark` indexes starts, X and the blocks.
@@ -77,8 +86,8 @@ struct SchurBlocks {
   std::int32_t num_cameras;
   const std::int64_t* index;    ///< (C·C,) block of the pair i <= k, −1: none
   const unsigned char* active;  ///< (C,) 0: the camera does not move
-  double* values;               ///< kBlock each
-  double* rhs;                  ///< (C, kRow)
+  Block* blocks;
+  double* rhs;  ///< (C, kRow)
 };
 
 /// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ A
@@ -94,14 +103,14 @@ void subtract_landmarks(const Observations& observations,
                         std::int32_t row_begin,
                         std::int32_t row_end,
                         const SchurBlocks& S,
-                        double* scratch,
+                        Elimination* scratch,
                         std::int32_t* ids);
 
 /// out[a][b] = (B_iᵀ M B_k)[a][b] for a < rows, b < columns; row a starts at out + a · stride. M
 /// and B are blocks.
-void fold_block(const double* M,
-                const double* B_i,
-                const double* B_k,
+void fold_block(const Block& M,
+                const Block& B_i,
+                const Block& B_k,
                 int rows,
                 int columns,
                 double* out,

@@ -85,7 +85,8 @@ void ReprojectionProblem::sum_cameras() {
   camera_sums_ = chunk_cameras_[0];
   for (std::size_t g = 1; g < chunk_cameras_.size(); ++g) {
     for (std::size_t i = 0; i < camera_sums_.size(); ++i) {
-      for (int k = 0; k < kBlock; ++k) camera_sums_[i].U[k] += chunk_cameras_[g][i].U[k];
+      for (int k = 0; k < kBlock; ++k)
+        camera_sums_[i].U.values[k] += chunk_cameras_[g][i].U.values[k];
       for (int k = 0; k < kRow; ++k) camera_sums_[i].g[k] += chunk_cameras_[g][i].g[k];
     }
   }
@@ -96,8 +97,8 @@ void ReprojectionProblem::prepare_cameras() {
   double folded[9 * kRow];
   for (int i = 0; i < cameras_.num_cameras(); ++i) {
     const int size = cameras_.size(i);
-    const double* B = cameras_.map(i);
-    fold_block(camera_sums_[i].U, B, B, size, size, folded, kRow);
+    const double* B = cameras_.map(i).values;
+    fold_block(camera_sums_[i].U, cameras_.map(i), cameras_.map(i), size, size, folded, kRow);
     for (int a = 0; a < size; ++a) {
       double gradient = 0.0;
       for (int m = 0; m < 9; ++m) gradient += B[m * kRow + a] * camera_sums_[i].g[m];
@@ -187,7 +188,7 @@ bool ReprojectionProblem::solve(double lambda) {
 
 void ReprojectionProblem::set_canonical_step() {
   for (int i = 0; i < cameras_.num_cameras(); ++i) {
-    const double* B = cameras_.map(i);
+    const double* B = cameras_.map(i).values;
     for (int m = 0; m < 9; ++m) {
       double sum = 0.0;
       for (int a = 0; a < cameras_.size(i); ++a) {

@@ -27,7 +27,7 @@ SchurSystem::SchurSystem(const Layout& layout, const CameraBlocks& cameras, int 
   split_rows(num_threads);
   rhs_.resize(count * kRow);
   const std::int64_t track = layout.max_track_length();
-  scratch_.assign(num_threads, std::vector<double>(track * 3 * kRow));
+  scratch_.assign(num_threads, std::vector<Elimination>(track));
   ids_.assign(num_threads, std::vector<std::int32_t>(track));
   const std::size_t n = cameras.num_columns();
   dense_.resize(n * n);
@@ -51,7 +51,7 @@ void SchurSystem::find_blocks() {
   for (std::int64_t& block : index_) {
     if (block == kWanted) block = num_blocks++;
   }
-  values_.resize(num_blocks * kBlock);
+  blocks_.resize(num_blocks);
 }
 
 // Cuts the block rows so that each part has about the same number of products.
@@ -80,7 +80,7 @@ void SchurSystem::form(const CameraPacket* packets,
                        const std::vector<double>& damping,
                        ThreadPool& pool) {
   const Observations observations{layout_.starts.data(), layout_.camera.data(), layout_.uv.data()};
-  const SchurBlocks S{layout_.num_cameras, index_.data(), active_.data(), values_.data(),
+  const SchurBlocks S{layout_.num_cameras, index_.data(), active_.data(), blocks_.data(),
                       rhs_.data()};
   pool.run(static_cast<int>(row_parts_.size()) - 1, [&](int part) {
     const std::int32_t begin = row_parts_[part];
@@ -101,12 +101,7 @@ void SchurSystem::set_cameras(const std::vector<CameraSums>& sums,
     for (std::int64_t k = i; k < count; ++k) {
       const std::int64_t block = index_[i * count + k];
       if (block < 0) continue;
-      double* values = values_.data() + block * kBlock;
-      if (k == i) {
-        std::copy_n(sums[i].U, kBlock, values);
-      } else {
-        std::fill_n(values, kBlock, 0.0);
-      }
+      blocks_[block] = k == i ? sums[i].U : Block{};
     }
     for (int m = 0; m < kRow; ++m) rhs_[i * kRow + m] = -sums[i].g[m];
   }
@@ -125,13 +120,13 @@ void SchurSystem::fold_rows(const std::vector<double>& damping,
     for (std::int32_t k = i; k < count && size > 0; ++k) {
       const std::int64_t block = index_[i * count + k];
       if (block < 0) continue;
-      fold_block(values_.data() + block * kBlock, cameras_.map(i), cameras_.map(k), size,
-                 cameras_.size(k), dense_.data() + first * n + cameras_.offset(k), n);
+      fold_block(blocks_[block], cameras_.map(i), cameras_.map(k), size, cameras_.size(k),
+                 dense_.data() + first * n + cameras_.offset(k), n);
     }
     for (int a = 0; a < size; ++a) {
       dense_[(first + a) * n + first + a] += damping[first + a];
       double sum = 0.0;
-      for (int m = 0; m < 9; ++m) sum += cameras_.map(i)[m * kRow + a] * rhs_[i * kRow + m];
+      for (int m = 0; m < 9; ++m) sum += cameras_.map(i).values[m * kRow + a] * rhs_[i * kRow + m];
       dense_rhs_[first + a] = sum;
     }
   }

@@ -46,9 +46,10 @@ class SchurSystem {
   const CameraBlocks& cameras_;
   std::vector<unsigned char> active_;
   std::vector<std::int64_t> index_;  // (C·C,) see SchurBlocks
-  std::vector<double> values_, rhs_;
+  std::vector<Block> blocks_;
+  std::vector<double> rhs_;
   std::vector<std::int32_t> row_parts_;
-  std::vector<std::vector<double>> scratch_;
+  std::vector<std::vector<Elimination>> scratch_;
   std::vector<std::vector<std::int32_t>> ids_;
   std::vector<double> dense_, dense_rhs_;
 };
