@@ -53,8 +53,9 @@ def backend(request):
 def adjust(backend):
     """raylign.bundle.adjust with each engine in turn."""
 
-    def run(problem, *, options=BundleOptions(), **keywords):
-        return bundle.adjust(problem, options=options.replace(backend=backend), **keywords)
+    def run(problem, *, options=None, **keywords):
+        options = (options or BundleOptions()).replace(backend=backend)
+        return bundle.adjust(problem, options=options, **keywords)
 
     return run
 

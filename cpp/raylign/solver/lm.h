@@ -78,8 +78,10 @@ class LmLoop {
 
  private:
   static constexpr double kShrinkLimit = 1.0 / 3.0;
+  static constexpr int kMaxReservedRows = 1000;
 
   void start() {
+    summary_.iterations.reserve(std::min(options_.max_num_iterations, kMaxReservedRows) + 1);
     begin_row(0);
     linearize();
     summary_.initial_cost = state_.cost;
