@@ -83,6 +83,16 @@ def bal_files() -> list[Path]:
     ]
 
 
+def short_name(path: Path) -> str:
+    """`problem-49-7776-pre.txt` → `49-7776`: what a column has room for."""
+    return (
+        path.name.removesuffix(".gz")
+        .removesuffix(".txt")
+        .removeprefix("problem-")
+        .removesuffix("-pre")
+    )
+
+
 def run_bal_program(folder: Path, path: Path, *flags: str) -> list[dict]:
     output = subprocess.run(
         [folder / "bal_benchmark", path, *flags], check=True, capture_output=True, text=True
@@ -129,7 +139,7 @@ def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
             for pose in ("se3", "angle_axis")
         }
         table.add_row(
-            path.name,
+            short_name(path),
             f"{statistics.median(values(rows, 'ceres_autodiff', 'angle_axis', field)):.0f}",
             f"{statistics.median(values(rows, 'raylign_ceres', 'se3', field)):.0f}",
             f"{ratios['se3']:.2f}",
@@ -205,7 +215,7 @@ def bench_final_cost(folder: Path, console: Console) -> list[dict]:
         ours = next(row for row in rows if (row["system"], row["pose"]) == ("raylign_ceres", "se3"))
         difference = ours["final_cost"] / autodiff["final_cost"] - 1.0
         table.add_row(
-            path.name,
+            short_name(path),
             f"{autodiff['initial_cost']:.6e}",
             f"{autodiff['final_cost']:.6f}",
             f"{ours['final_cost']:.6f}",
@@ -237,7 +247,7 @@ def bench_reading(repeats: int, console: Console) -> list[dict]:
             megabytes = path.stat().st_size / 1e6
         speed = {name: megabytes / statistics.median(values) for name, values in seconds.items()}
         table.add_row(
-            source.name, f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}"
+            short_name(source), f"{megabytes:.1f}", f"{speed['read']:.0f}", f"{speed['write']:.0f}"
         )
         results.append({"problem": source.name, "megabytes": megabytes, "megabytes_per_s": speed})
     console.print(table)

@@ -130,8 +130,9 @@ def record_methods(cls: Any) -> Iterator[str]:
     """Constructor and replace() of an options class: every field, keywords only."""
     types = {name: property_type(vars(cls)[name]) for name in cls.__fields__}
     for name, type_ in types.items():
-        if isinstance(getattr(_core, type_, None), enum.EnumType):
-            types[name] = f"{type_} | str"  # an enumerator or its lower-case name
+        value_class = getattr(_core, type_, None)
+        if isinstance(value_class, enum.EnumType) or hasattr(value_class, "parse"):
+            types[name] = f"{type_} | str"  # or the text that the command line takes
     arguments = ", ".join(f"{name}: {type_} = ..." for name, type_ in types.items())
     yield f"def __init__(self, *, {arguments}) -> None: ..."
     yield f"def replace(self, *, {arguments}) -> Self: ..."

@@ -13,6 +13,12 @@ namespace {
 
 namespace py = pybind11;
 
+// False or NumPy's False, which comparisons of array elements give; 0 and None are no answer.
+bool is_false(const py::object& answer) {
+  if (answer.is(py::bool_(false))) return true;
+  return py::isinstance(answer, py::module_::import("numpy").attr("bool_")) && !answer.cast<bool>();
+}
+
 // Asks Python whether to go on. Ctrl-C means "stop and keep the best state", here and inside the
 // user's callback; any other exception travels through the solver to the caller.
 CallbackAction ask_python(const py::object& callback, const IterationSummary& summary) {
@@ -20,17 +26,17 @@ CallbackAction ask_python(const py::object& callback, const IterationSummary& su
   try {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (callback.is_none()) return CallbackAction::CONTINUE;
-    const py::object answer = callback(summary);
-    return answer.is(py::bool_(false)) ? CallbackAction::STOP : CallbackAction::CONTINUE;
+    return is_false(callback(summary)) ? CallbackAction::STOP : CallbackAction::CONTINUE;
   } catch (py::error_already_set& error) {
     if (error.matches(PyExc_KeyboardInterrupt)) return CallbackAction::STOP;
     throw;
   }
 }
 
+// Options by value: other Python threads may change theirs while the GIL is released.
 Summary adjust_in_place(BalProblem& problem,
-                        const BundleConfig& config,
-                        const BundleOptions& options,
+                        BundleConfig config,
+                        BundleOptions options,
                         const py::object& callback) {
   const py::gil_scoped_release release;
   return adjust(problem, config, options, [&callback](const IterationSummary& summary) {

@@ -46,7 +46,7 @@ constexpr const char* kLossDoc =
     R"(Robust law ρ(s) of the squared residual norm, ρ(0) = 0, ρ'(0) = 1.
 
 With a = scale and x = s / a²: TRIVIAL s; HUBER s or 2a√s − a²; SOFT_L1 2a²(√(1 + x) − 1);
-CAUCHY a² log(1 + x); ARCTAN a atan(s / a); TUKEY a²/3 (1 − (1 − x)³); GEMAN_MCCLURE s / (1 + x);
+CAUCHY a² log(1 + x); ARCTAN a² atan(x); TUKEY a²/3 (1 − (1 − x)³), a²/3 for x > 1; GEMAN_MCCLURE s / (1 + x);
 STUDENT_T ν a² log(1 + x / ν) with ν = degrees_of_freedom.)";
 
 }  // namespace

@@ -56,7 +56,12 @@ void bind_bundle_enums(py::module_& m) {
       .value("HOMOGENEOUS", PointParametrization::HOMOGENEOUS)
       .value("INVERSE_DEPTH", PointParametrization::INVERSE_DEPTH)
       .finalize();
-  py::native_enum<Gauge>(m, "Gauge", "enum.Enum", "What removes the seven similarity freedoms.")
+  py::native_enum<Gauge>(
+      m, "Gauge", "enum.Enum",
+      "What removes the seven similarity freedoms: FREE nothing; FIRST_CAMERA the pose of the "
+      "first "
+      "observed camera; TWO_CAMERAS that and, of the camera farthest from it, the coordinate of "
+      "t_cw that a change of scale moves most.")
       .value("FREE", Gauge::FREE)
       .value("FIRST_CAMERA", Gauge::FIRST_CAMERA)
       .value("TWO_CAMERAS", Gauge::TWO_CAMERAS)

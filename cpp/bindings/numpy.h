@@ -41,7 +41,9 @@ Rows<T, Cols> rows_from_numpy(const py::handle& object, const std::string& name)
   }
   const std::string shape = Cols == 1 ? "(N,)" : "(N, " + std::to_string(Cols) + ")";
   throw ShapeError(name + " must be a C-ordered " + std::string(py::str(py::dtype::of<T>())) +
-                   " array of shape " + shape + ", got " + describe_array(object));
+                   " array of shape " + shape + ", got " + describe_array(object) +
+                   "; np.ascontiguousarray(…, dtype=np." +
+                   std::string(py::str(py::dtype::of<T>())) + ") converts");
 }
 
 /// Writable NumPy view of `rows`, which must be a member of the C++ object behind `owner`; the view

@@ -120,17 +120,35 @@ class OptionsBinder {
                              "'; it has " +
                              py::str(py::str(", ").attr("join")(known)).cast<std::string>());
       }
-      self.attr(item.first) = enumerator_of(self, item.first, item.second, name);
+      set_field(self, item.first, from_text(self, item.first, item.second, name), name);
     }
   }
 
-  // An enumerator may be given by its lower-case name, as on the command line.
-  static py::object enumerator_of(const py::object& self,
-                                  const py::handle& field,
-                                  const py::handle& value,
-                                  const std::string& name) {
+  // What Python would call a TypeError deep inside a setter, with the option's name.
+  static void set_field(py::object& self,
+                        const py::handle& field,
+                        const py::object& value,
+                        const std::string& name) {
+    try {
+      self.attr(field) = value;
+    } catch (py::error_already_set& error) {
+      if (!error.matches(PyExc_TypeError)) throw;
+      throw OptionsError(name + "." + py::str(field).cast<std::string>() + " must be like " +
+                         value_repr(self.attr(field)) + ", got " +
+                         py::repr(value).cast<std::string>());
+    }
+  }
+
+  // Text stands for what it names on the command line: an enumerator by its lower-case name, a
+  // loss by "cauchy:1.0" (any class with a static parse).
+  static py::object from_text(const py::object& self,
+                              const py::handle& field,
+                              const py::handle& value,
+                              const std::string& name) {
     const py::object type = py::type::of(self.attr(field));
-    if (!py::isinstance<py::str>(value) || !py::hasattr(type, "__members__")) {
+    const bool is_text = py::isinstance<py::str>(value);
+    if (is_text && py::hasattr(type, "parse")) return type.attr("parse")(value);
+    if (!is_text || !py::hasattr(type, "__members__")) {
       return py::reinterpret_borrow<py::object>(value);
     }
     std::string known;

@@ -1,7 +1,12 @@
-"""What the examples of docs/theory share: arguments, a table on the terminal, figures on disk."""
+"""What the examples of docs/theory share: arguments, a table on the terminal, figures on disk.
+
+Figures go to a fresh scratch folder, whose name is printed. The pages' own are made again with
+`--output docs/theory/images`.
+"""
 
 import argparse
 import json
+import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +16,6 @@ from matplotlib.figure import Figure
 
 from raylign.viz import style
 
-IMAGES = Path(__file__).resolve().parents[2] / "docs" / "theory" / "images"
 DPI = 115
 
 # One colour, line and marker each, so that a print in grey still tells them apart.
@@ -32,17 +36,18 @@ def run(
 ) -> None:
     """Measure, draw and save: `--quick` is small enough for a test, `--json` keeps the numbers."""
     parser = argparse.ArgumentParser(description=description.split("\n")[0])
-    parser.add_argument("--output", type=Path, default=IMAGES, help="folder of the figures")
+    parser.add_argument("--output", type=Path, help="folder of the figures (default: scratch)")
     parser.add_argument("--json", type=Path, help="file for the measured numbers")
     parser.add_argument("--quick", action="store_true", help="smaller, for tests")
     arguments = parser.parse_args()
     result = measure(arguments.quick)
     if arguments.json is not None:
         arguments.json.write_text(json.dumps(result, indent=1), encoding="utf-8")
-    arguments.output.mkdir(parents=True, exist_ok=True)
+    output = arguments.output or Path(tempfile.mkdtemp(prefix="raylign-figures-"))
+    output.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context(style.RC):
         for name, figure in draw(result).items():
-            path = arguments.output / f"{name}.png"
+            path = output / f"{name}.png"
             figure.savefig(path, dpi=DPI, metadata={"Software": "raylign"})
             print(f"wrote {path}")
 

@@ -1,8 +1,8 @@
-"""Two themes of Triggs et al. 2000: robust laws and gauge.
+"""Two themes of Triggs et al. 2000: robust losses and gauge.
 
     python examples/theory/modern_synthesis.py
 
-Robust laws: ρ and the weight ρ′ of each, and the error of the cameras when observations are
+Robust losses: ρ and the weight ρ′ of each, and the error of the cameras when observations are
 outliers. Gauge: three ways to remove the seven freedoms of a reconstruction reach the same cost;
 what they call the uncertainty of a camera is not the same.
 """
@@ -27,16 +27,16 @@ from raylign.scene import BalProblem
 from raylign.synthetic import SyntheticBal
 from raylign.viz import style
 
-LAWS = ("trivial", "huber:1", "cauchy:1", "tukey:3", "student_t:1:5")
+LOSSES = ("trivial", "huber:1", "cauchy:1", "tukey:3", "student_t:1:5")
 OUTLIERS = (0.0, 0.02, 0.05, 0.1, 0.2)
 GAUGES = (Gauge.FREE, Gauge.FIRST_CAMERA, Gauge.TWO_CAMERAS)
 STYLES = (*LINES, {"color": "#7b5ea7", "linestyle": "-.", "marker": "v"})
 Array = npt.NDArray[np.float64]
 
 
-def sample_law(text: str, r: Array) -> Result:
+def sample_loss(text: str, r: Array) -> Result:
     rho, weight, _ = Loss.parse(text).evaluate(r * r)
-    return {"law": text, "rho": rho.tolist(), "weight": weight.tolist()}
+    return {"loss": text, "rho": rho.tolist(), "weight": weight.tolist()}
 
 
 def rms_error(problem: BalProblem, truth: BalProblem) -> float:
@@ -58,11 +58,11 @@ def measure_outliers(quick: bool) -> list[Result]:
     rows = []
     for fraction in (0.0, 0.1) if quick else OUTLIERS:
         scene = outlier_scene(fraction, quick)
-        for law in LAWS:
-            options = BundleOptions(loss=Loss.parse(law), lm=LmOptions(max_num_iterations=60))
+        for loss in LOSSES:
+            options = BundleOptions(loss=Loss.parse(loss), lm=LmOptions(max_num_iterations=60))
             problem = adjust(scene.problem, options=options).problem
             rows.append(
-                {"law": law, "outliers": fraction, "error_m": rms_error(problem, scene.truth)}
+                {"loss": loss, "outliers": fraction, "error_m": rms_error(problem, scene.truth)}
             )
     return rows
 
@@ -145,8 +145,8 @@ def measure(quick: bool) -> Result:
     outliers = measure_outliers(quick)
     gauge = measure_gauge(quick)
     print_table(
-        ("law", "outliers", "error of centres (m)"),
-        ((row["law"], row["outliers"], row["error_m"]) for row in outliers),
+        ("loss", "outliers", "error of centres (m)"),
+        ((row["loss"], row["outliers"], row["error_m"]) for row in outliers),
     )
     print_table(
         ("gauge", "unknowns", "final cost"),
@@ -155,25 +155,27 @@ def measure(quick: bool) -> Result:
     print(f"null space at the optimum, intrinsics held: {gauge['null_space']}")
     return {
         "r": r.tolist(),
-        "laws": [sample_law(text, r) for text in LAWS],
+        "losses": [sample_loss(text, r) for text in LOSSES],
         "outliers": outliers,
         "gauge": gauge,
     }
 
 
 def draw_robust(result: Result) -> Figure:
-    figure = style.new_figure(11.0, 4.1, "Robust laws", "law : scale in px [: degrees of freedom]")
+    figure = style.new_figure(
+        11.0, 4.1, "Robust losses", "loss : scale in px [: degrees of freedom]"
+    )
     rho, weight, error = figure.subplots(1, 3)
-    for law, line in zip(result["laws"], STYLES, strict=True):
+    for loss, line in zip(result["losses"], STYLES, strict=True):
         look = {**line, "marker": ""}
-        rho.plot(result["r"], law["rho"], **look, label=law["law"])
-        weight.plot(result["r"], law["weight"], **look)
-        own = [row for row in result["outliers"] if row["law"] == law["law"]]
+        rho.plot(result["r"], loss["rho"], **look, label=loss["loss"])
+        weight.plot(result["r"], loss["weight"], **look)
+        own = [row for row in result["outliers"] if row["loss"] == loss["loss"]]
         error.semilogy(
             [100 * row["outliers"] for row in own], [row["error_m"] for row in own], **line, ms=4.5
         )
     rho.set_ylim(0, 14)
-    rho.set_title("Law: ρ(r²)")
+    rho.set_title("Loss: ρ(r²)")
     weight.set_title("Weight of an observation: ρ′(r²)")
     for axes in (rho, weight):
         axes.set_xlabel("residual r (px)")
@@ -200,8 +202,14 @@ def draw_gauge(result: Result) -> Figure:
     cost.set_title("The same optimum")
     cost.legend(loc="upper right")
     cameras = np.arange(len(gauge["sigma_free"]))
-    sigma.plot(cameras, gauge["sigma_free"], **LINES[0], ms=4.5, label="free (inner constraints)")
-    sigma.plot(cameras, gauge["sigma_first"], **LINES[1], ms=4.5, label="first camera held")
+    sigma.plot(cameras, gauge["sigma_free"], **LINES[0], ms=4.5, label="free (pseudo-inverse of H)")
+    sigma.plot(
+        cameras,
+        gauge["sigma_first"],
+        **LINES[1],
+        ms=4.5,
+        label="first camera held (scale: pseudo-inverse)",
+    )
     sigma.set_xlabel("camera")
     sigma.set_ylabel("σ of the camera centre, 1 px noise (m)")
     sigma.set_title("Another covariance")
@@ -211,7 +219,7 @@ def draw_gauge(result: Result) -> Figure:
 
 
 def draw(result: Result) -> dict[str, Figure]:
-    return {"robust-laws": draw_robust(result), "gauge": draw_gauge(result)}
+    return {"robust-losses": draw_robust(result), "gauge": draw_gauge(result)}
 
 
 if __name__ == "__main__":

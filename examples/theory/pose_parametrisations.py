@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from common import LINES, Result, print_table, run
@@ -219,6 +220,43 @@ def measure(quick: bool) -> Result:
     return {"maps": maps, "refinement": refinement}
 
 
+def draw_iterations(iterations: Axes, rows: list[Result]) -> None:
+    """Slowest decile as lines; the angle-axis' failures as bars on an axis of their own."""
+    for kind, line in zip((EULER, ANGLE_AXIS, QUATERNION, LOCAL), LINES, strict=True):
+        own = [r for r in rows if r["kind"] == kind.name]
+        x = [r["distance_deg"] for r in own]
+        size = 8.0 if kind is QUATERNION else 4.5  # it lies under the local one
+        iterations.plot(x, [r["worst_decile"] for r in own], **line, ms=size, label=kind.name)
+    iterations.set_xscale("log")
+    iterations.invert_xaxis()
+    iterations.axhline(MAX_ITERATIONS, color=style.MUTED, linewidth=0.8)
+    failures = iterations.twinx()
+    own = [r for r in rows if r["kind"] == ANGLE_AXIS.name]
+    failures.bar(
+        [r["distance_deg"] for r in own],
+        [100 * r["failed"] for r in own],
+        width=[0.35 * r["distance_deg"] for r in own],
+        color=LINES[1]["color"],
+        alpha=0.25,
+    )
+    failures.set_zorder(iterations.get_zorder() - 1)
+    iterations.patch.set_visible(False)
+    failures.set_ylim(0, 2 * MAX_ITERATIONS + 6)
+    failures.set_ylabel("starts that never converge (%)")
+    failures.grid(visible=False)
+    iterations.set_ylim(0, MAX_ITERATIONS + 3)
+    iterations.set_xlabel("distance from the singularity (°)")
+    iterations.set_ylabel("Gauss-Newton iterations, 90 % of starts")
+    iterations.set_title("Iterations to the pose")
+    iterations.set_xticks([60, 10, 1, 0.1, 0.01], ["60", "10", "1", "0.1", "0.01"])
+    iterations.text(
+        0.99, 0.915, "50 = not converged", transform=iterations.transAxes, ha="right", va="top",
+        color=style.MUTED,
+    )  # fmt: skip
+    bars = "angle-axis: never converge (right axis)"
+    iterations.plot([], [], "s", ms=8.0, color=LINES[1]["color"], alpha=0.25, label=bars)
+
+
 def draw(result: Result) -> dict[str, Figure]:
     figure = style.new_figure(11.0, 4.1, "Rotations near their singularities")
     euler, angle, iterations = figure.subplots(1, 3)
@@ -246,24 +284,8 @@ def draw(result: Result) -> dict[str, Figure]:
         axes.set_ylim(0.0, 1.12)
         axes.set_ylabel("smallest singular value of the map")
         axes.legend(loc="lower left")
-    for kind, line in zip((EULER, ANGLE_AXIS, QUATERNION, LOCAL), LINES, strict=True):
-        own = [r for r in result["refinement"] if r["kind"] == kind.name]
-        x = [r["distance_deg"] for r in own]
-        size = 8.0 if kind is QUATERNION else 4.5  # it lies under the local one
-        iterations.plot(x, [r["worst_decile"] for r in own], **line, ms=size, label=kind.name)
-    iterations.set_xscale("log")
-    iterations.invert_xaxis()
-    iterations.axhline(MAX_ITERATIONS, color=style.MUTED, linewidth=0.8)
-    iterations.set_ylim(0, MAX_ITERATIONS + 3)
-    iterations.set_xlabel("distance from the singularity (°)")
-    iterations.set_ylabel("Gauss-Newton iterations, 90 % of starts")
-    iterations.set_title("Iterations to the pose")
-    iterations.set_xticks([60, 10, 1, 0.1, 0.01], ["60", "10", "1", "0.1", "0.01"])
-    iterations.text(
-        0.99, 0.915, "50 = not converged", transform=iterations.transAxes, ha="right", va="top",
-        color=style.MUTED,
-    )  # fmt: skip
-    iterations.legend(loc="center right", bbox_to_anchor=(1.0, 0.6))
+    draw_iterations(iterations, result["refinement"])
+    style.legend_below(figure, iterations)
     return {"pose-parametrisations": figure}
 
 

@@ -7,6 +7,9 @@
 True
 """
 
+from importlib import import_module
+from types import ModuleType
+
 from raylign import bundle, camera, errors, geometry, image, io, robust, scene, synthetic
 from raylign._core import __version__
 from raylign.bundle import BundleConfig, BundleOptions, LinearSolverOptions, LmOptions, Termination
@@ -38,3 +41,16 @@ __all__ = [
     "scene",
     "synthetic",
 ]
+
+_ON_DEMAND = ("datasets", "evaluate", "viz")  # matplotlib, pooch: not at `import raylign`
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import the submodules that need more than NumPy when they are first asked for."""
+    if name in _ON_DEMAND:
+        return import_module(f"raylign.{name}")
+    raise AttributeError(f"module 'raylign' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_ON_DEMAND])

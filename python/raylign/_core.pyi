@@ -362,7 +362,7 @@ class BundleOptions:
         backend: Backend | str = ...,
         pose_parametrization: PoseParametrization | str = ...,
         point_parametrization: PointParametrization | str = ...,
-        loss: Loss = ...,
+        loss: Loss | str = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
     ) -> None: ...
@@ -372,7 +372,7 @@ class BundleOptions:
         backend: Backend | str = ...,
         pose_parametrization: PoseParametrization | str = ...,
         point_parametrization: PointParametrization | str = ...,
-        loss: Loss = ...,
+        loss: Loss | str = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
     ) -> Self: ...

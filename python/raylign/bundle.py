@@ -52,7 +52,7 @@ class BundleResult:
     """What `adjust` returns.
 
     Attributes:
-        problem: refined problem, a new object; the input bit by bit when the solve failed.
+        problem: refined problem, a new object; the input bit by bit when no step was accepted.
         summary: costs in px², times in s, one row per iteration.
     """
 

@@ -135,10 +135,6 @@ def gauss_newton_step(problem, pose):
     J = dense_jacobian(linearization)
     scale = np.linalg.norm(J, axis=0)
     delta = np.linalg.lstsq(J / scale, -linearization.residuals, rcond=None)[0] / scale
-    moved = adjust(
-        problem, config=config, options=options_of(pose).replace(lm=LmOptions(max_num_iterations=0))
-    )
-    assert moved.problem == problem
     return delta, J @ delta
 
 
@@ -154,8 +150,7 @@ def test_undamped_gauss_newton_steps_are_equal(perturbed):
 
 
 def test_mapped_pose_steps_are_equal(perturbed):
-    """Camera 3's own step (not a gauge camera) mapped to (ω, dt)."""
-    assert int(np.argmax(np.linalg.norm(np.diff(perturbed.camera_centers(), axis=0), axis=1))) >= 0
+    """Steps of cameras 2 and 3, the others held, mapped to (ω, dt)."""
     mapped = {}
     for pose in PoseParametrization:
         config = BundleConfig(constant_cameras=[0, 1])
@@ -221,6 +216,18 @@ def test_order_does_not_matter(near):
     a = adjust(near, options=options).summary.final_cost
     b = adjust(shuffled, options=options).summary.final_cost
     assert b == pytest.approx(a, rel=1e-10)
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
+@pytest.mark.parametrize("scale", [1e-3, 1e3, 1e9])
+def test_the_unit_of_length_does_not_matter(near, pose, point, scale):
+    scaled = near.transformed(np.diag([scale, scale, scale, 1.0]))
+    options = options_of(pose, point).replace(lm=TIGHT)
+    a = adjust(near, options=options)
+    b = adjust(scaled, options=options)
+    assert b.summary.final_cost == pytest.approx(a.summary.final_cost, rel=1e-6)
+    assert oracle.cost(b.problem) == pytest.approx(b.summary.final_cost, rel=1e-9)
 
 
 def test_a_similarity_of_the_world_does_not_matter(near):

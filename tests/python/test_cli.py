@@ -11,9 +11,11 @@ from typer.testing import CliRunner, Result
 
 import raylign
 from conftest import make_tiny_problem
-from raylign import bundle, cli, viz
+from raylign import bundle, cli, synthetic, viz
 from raylign.cli import _choices as choices
+from raylign.cli import bundle as bundle_command
 from raylign.cli._options import parse_indices
+from raylign.cli._progress import table_row
 from raylign.io import read_bal, read_npz, write_bal, write_npz
 from raylign.robust import Loss, LossType
 from raylign.scene import BalProblem
@@ -191,6 +193,115 @@ def test_bundle_defaults_are_the_library_defaults(
     assert recorded["config"] == bundle.BundleConfig()
 
 
+def test_enumerators_in_either_case(problem_file: Path) -> None:
+    words = ["--pose", "SE3", "--linear-solver", "Dense_Schur", "--log", "G2O"]
+    result = run("bundle", problem_file, *words)
+    assert result.exit_code == 0, result.output
+    assert "chi2=" in result.stdout
+
+
+def test_help_shows_names_whole_and_no_type_of_flags() -> None:
+    shown = CliRunner().invoke(cli.app, ["bundle", "--help"], env={"COLUMNS": "80"}).stdout
+    assert "<bool>" not in shown
+    assert "…" not in shown
+    assert "--max-num-linear-iterations " in shown
+    assert "<bool>" not in run("--help").stdout + run("synthetic", "bal", "--help").stdout
+
+
+def test_summary_on_the_console(problem_file: Path, tmp_path: Path) -> None:
+    stopped = run("bundle", problem_file, "--max-num-iterations", "1").stdout
+    assert "stopped by --max-num-iterations 1" in stopped
+    result = run("bundle", problem_file, "-o", tmp_path / "out.npz")
+    assert "stopped by" not in result.stdout
+    before, after = (
+        p.statistics() for p in (read_bal(problem_file), read_npz(tmp_path / "out.npz"))
+    )
+    assert f"RMSE {before.rmse:.4g} -> {after.rmse:.4g} px" in result.stdout
+    assert f"median error {before.median_error:.4g} -> {after.median_error:.4g}" in result.stdout
+    assert "behind" not in result.stdout
+    problem = read_bal(problem_file)
+    problem.points[0] = 100.0 * problem.camera_centers()[0]
+    write_npz(problem, tmp_path / "behind.npz")
+    shown = run("bundle", tmp_path / "behind.npz", "--max-num-iterations", "0").stdout
+    count = problem.statistics().num_behind_camera
+    assert count > 0
+    assert f"behind their camera {count} -> {count}" in shown
+
+
+def test_marks_of_steps_that_failed() -> None:
+    step = bundle.IterationSummary
+    assert not table_row(step(iteration=3, step_is_valid=True, step_is_accepted=True)).endswith("x")
+    assert table_row(step(iteration=3, step_is_valid=True, step_is_accepted=False))[-2:] == " x"
+    assert table_row(step(iteration=3, step_is_valid=False, step_is_accepted=False))[-2:] == " !"
+    assert table_row(step(iteration=0, step_is_accepted=False))[-1].isdigit()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (["--preconditioner", "jacobi"], "--preconditioner"),
+        (["--explicit-schur"], "--explicit-schur"),
+        (["--max-num-linear-iterations", "9"], "--max-num-linear-iterations"),
+        (["--forcing-tolerance", "0.2"], "--forcing-tolerance"),
+        (["--fix-intrinsics", "--constant-intrinsics", "0"], "--constant-intrinsics"),
+    ],
+)
+def test_options_without_effect_are_named(
+    problem_file: Path, arguments: list[str], option: str
+) -> None:
+    zero = ["--max-num-iterations", "0"]
+    result = run("bundle", problem_file, *zero, *arguments)
+    assert result.exit_code == 0
+    assert result.stderr.startswith(f"warning: {option} has no effect")
+    assert result.stderr.count("\n") == 1
+    assert run("bundle", problem_file, "-q", *zero, *arguments).stderr == ""
+    assert run("bundle", problem_file, *zero).stderr == ""
+
+
+def test_automatic_solver_is_known_to_the_warning() -> None:
+    """The limit in the command line is the library's: above it, `auto` is iterative."""
+    limit = bundle_command._MAX_CAMERAS_FACTORED
+    for num_cameras, kind in ((limit, "SPARSE_SCHUR"), (limit + 1, "ITERATIVE_SCHUR")):
+        scene = synthetic.bal(num_cameras=num_cameras, num_points=5000)
+        options = bundle.BundleOptions(lm=bundle.LmOptions(max_num_iterations=0))
+        summary = bundle.adjust(scene.problem, options=options).summary
+        assert summary.linear_solver.name == kind
+
+
+def test_outputs_may_not_overwrite_each_other_or_the_input(
+    problem_file: Path, tmp_path: Path
+) -> None:
+    content = problem_file.read_bytes()
+    link = tmp_path / "link.txt"
+    link.symlink_to(problem_file)
+    refused(run("bundle", problem_file, "-o", problem_file), 2, "the input")
+    refused(run("bundle", problem_file, "-o", link), 2, "the input")
+    same = tmp_path / "a.ply"
+    refused(run("bundle", problem_file, "--ply", same, same), 2, "another output")
+    refused(run("bundle", problem_file, "-o", same, "--ply", tmp_path / "b.ply", same), 2, "a.ply")
+    refused(run("convert", problem_file, link), 2, "the input")
+    refused(
+        run("bundle", problem_file, "-o", tmp_path / "r.txt", "--report", tmp_path / "r.txt"), 2
+    )
+    assert problem_file.read_bytes() == content
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link.txt", "tiny.txt"]
+
+
+def test_interrupted_while_writing(
+    problem_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*args: object, **words: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(viz, "bundle_report", stop)
+    output, report = tmp_path / "out.txt", tmp_path / "report"
+    result = run("bundle", problem_file, "-o", output, "--report", report)
+    refused(result, 130, "not written", str(report / "index.html"))
+    assert f"wrote {output}" in result.stdout
+    assert str(output) not in result.stderr
+    assert output.exists()
+
+
 def test_bundle_g2o_log(problem_file: Path) -> None:
     result = run("bundle", problem_file, "--log", "g2o")
     expected = bundle.adjust(read_bal(problem_file)).summary.iterations
@@ -234,6 +345,13 @@ def test_duplicates(tmp_path: Path) -> None:
     refused(run("bundle", path), 1, "doubled.txt")
     assert "81 observations" in run("bundle", path, "--duplicates", "keep").stdout
     assert "80 observations" in run("bundle", path, "--duplicates", "first").stdout
+    archive = tmp_path / "doubled.npz"
+    refused(run("convert", path, archive), 1, "doubled.txt", "duplicates")
+    assert run("convert", path, archive, "--duplicates", "keep").exit_code == 0
+    refused(run("bundle", archive), 1, "doubled.npz", "duplicates")
+    refused(run("convert", archive, tmp_path / "again.txt"), 1, "doubled.npz")
+    assert "81 observations" in run("bundle", archive, "--duplicates", "keep").stdout
+    assert "80 observations" in run("bundle", archive, "--duplicates", "mean").stdout
 
 
 # --- refusals --------------------------------------------------------------------------------
@@ -259,11 +377,12 @@ def test_input_that_is_no_problem(tmp_path: Path) -> None:
         (["--initial-lambda", "0"], ["initial_lambda"]),
         (["--linear-solver", "magic"], ["magic"]),
         (["--gauge", "loose"], ["loose"]),
-        (["--constant-cameras", "0,99"], ["99"]),
+        (["--constant-cameras", "0,99"], ["--constant-cameras", "99"]),
+        (["--constant-points", ""], ["--constant-points"]),
         (["--constant-cameras", "a-b"], ["a-b"]),
         (["--constant-coordinate", "k2"], ["k2"]),
         (["--constant-coordinate", "pose:0:focal"], ["focal"]),
-        (["--constant-coordinate", "pose:99:tx"], ["99"]),
+        (["--constant-coordinate", "pose:99:tx"], ["--constant-coordinate", "99"]),
         (["--no-such-option"], ["--no-such-option"]),
         (["-o", "out.xyz"], ["out.xyz"]),
     ],
@@ -281,11 +400,16 @@ def test_outputs_are_checked_before_the_solve(
     monkeypatch.setattr(bundle, "adjust", never)
     missing = tmp_path / "missing"
     refused(run("bundle", problem_file, "-o", missing / "out.txt"), 1, "missing")
-    refused(run("bundle", problem_file, "-o", tmp_path / "x.txt", "--report", problem_file), 1)
+    (tmp_path / "file").touch()
+    refused(run("bundle", problem_file, "--report", tmp_path / "file"), 1, "not a folder")
+    (tmp_path / "file").unlink()
     folder = tmp_path / "folder.txt"
     folder.mkdir()
     refused(run("bundle", problem_file, "-o", folder), 1, "folder.txt")
     refused(run("bundle", problem_file, "--ply", "a.txt", "b.ply"), 2, "a.txt")
+    if Path("/proc/self").exists():  # a folder that takes no files, whatever its mode says
+        refused(run("bundle", problem_file, "-o", "/proc/x.txt"), 1, "/proc", "not writable")
+    assert sorted(tmp_path.iterdir()) == [folder, problem_file]  # the attempts leave nothing
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
@@ -312,12 +436,12 @@ def test_debug_shows_the_traceback(tmp_path: Path) -> None:
 
 
 def test_parse_indices() -> None:
-    assert parse_indices("", 5) == []
-    assert parse_indices("all", 3) == [0, 1, 2]
-    assert parse_indices("4, 0-2,1", 5) == [0, 1, 2, 4]
-    for text in ("5", "-1", "2-1", "1-", "x", ",", "0-5"):
-        with pytest.raises(raylign.OptionsError):
-            parse_indices(text, 5)
+    assert parse_indices("--o", None, 5) == []
+    assert parse_indices("--o", "all", 3) == [0, 1, 2]
+    assert parse_indices("--o", "4, 0-2,1", 5) == [0, 1, 2, 4]
+    for text in ("", "5", "-1", "2-1", "1-", "x", ",", "0-5"):
+        with pytest.raises(raylign.OptionsError, match=r"^--o: "):
+            parse_indices("--o", text, 5)
 
 
 # --- convert, info ---------------------------------------------------------------------------
@@ -335,6 +459,11 @@ def test_convert_keeps_every_bit(problem_file: Path, tmp_path: Path, name: str) 
 def test_convert_to_ply_and_refusals(problem_file: Path, tmp_path: Path) -> None:
     assert run("convert", problem_file, tmp_path / "out.ply", "-q").output == ""
     assert (tmp_path / "out.ply").read_bytes().startswith(b"ply\n")
+    far = read_bal(problem_file)
+    far.points[0, 0] = 1e6
+    write_npz(far, tmp_path / "far.npz")
+    shown = run("convert", tmp_path / "far.npz", tmp_path / "far.ply").stdout
+    assert shown.endswith("80 observations (1 far points left out)\n")
     refused(run("convert", problem_file, tmp_path / "out.obj"), 2, "out.obj")
     refused(run("convert", tmp_path / "none.txt", tmp_path / "out.txt"), 1, "none.txt")
     refused(run("convert", tmp_path / "out.ply", tmp_path / "again.txt"), 1, "out.ply")

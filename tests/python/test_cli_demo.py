@@ -23,7 +23,7 @@ def test_demo_improves_and_draws(tmp_path: Path) -> None:
     assert record["problem"]["after"]["rmse"] < record["problem"]["before"]["rmse"]
     assert len(list(output.glob("*.png"))) == 4
     assert f"pictures: {output / 'index.html'}" in result.stdout
-    assert "RMSE [px per coordinate]" in result.stdout
+    assert "median ‖r‖ [px]" in result.stdout
 
 
 def test_street_has_outliers_and_gets_better_with_a_robust_loss(

@@ -24,7 +24,10 @@ def problem_file(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_ctrl_c_keeps_the_best_state(problem_file: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_keeps_the_best_state(
+    problem_file: Path, tmp_path: Path, number: signal.Signals
+) -> None:
     output, report = tmp_path / "out.txt", tmp_path / "report"
     # Tolerances of zero: the solve ends only by the signal.
     arguments = [
@@ -45,7 +48,7 @@ def test_ctrl_c_keeps_the_best_state(problem_file: Path, tmp_path: Path) -> None
             rows += line.split()[:1] == [str(rows)]
             if rows == 3:
                 break
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
     assert "Traceback" not in stderr

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from raylign import cli, synthetic
-from raylign.io import read_bal
+from raylign.io import read_bal, read_npz
 
 SMALL = ["--num-cameras", "8", "--num-points", "100"]
 
@@ -48,6 +48,15 @@ def test_options_arrive(tmp_path: Path, changes: dict[str, float]) -> None:
     assert run("-o", target, *SMALL, *words).exit_code == 0
     expected = synthetic.bal(num_cameras=8, num_points=100, **changes).problem
     assert read_bal(target) == expected.replace(colors=expected.colors[:0])
+
+
+def test_npz_keeps_the_colors(tmp_path: Path) -> None:
+    target, truth = tmp_path / "a.npz", tmp_path / "b.txt"
+    result = run("-o", target, "--truth", truth, *SMALL)
+    assert result.exit_code == 0, result.output
+    expected = synthetic.bal(num_cameras=8, num_points=100)
+    assert read_npz(target) == expected.problem
+    assert read_bal(truth) == expected.truth.replace(colors=expected.truth.colors[:0])
 
 
 def test_refusals(tmp_path: Path) -> None:

@@ -389,7 +389,11 @@ def test_public_functions_are_snake_case():
 
 def test_options_are_keyword_only():
     """No public function takes an argument with a default by position, unless it is the data."""
-    data = {"raylign.synthetic.bal(options)", "raylign.viz.plot_point_cloud(after)"}
+    data = {
+        "raylign.synthetic.bal(options)",
+        "raylign.viz.plot_point_cloud(after)",
+        "raylign.viz.plot_residuals(after)",
+    }
     wrong = [
         f"{name}({parameter.name})"
         for name, function in public_functions()

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from raylign import Error, OptionsError, cli, datasets
+from raylign import OptionsError, cli, datasets
+from raylign.cli import download as command
 from raylign.datasets import download as module
 
 ENTRY = datasets.find_bal("bal/ladybug-49")
@@ -197,7 +198,9 @@ def test_bad_existing_file_is_replaced(
 
 
 def test_no_server(small: datasets.BalEntry, tmp_path: Path) -> None:
-    with pytest.raises(datasets.DownloadError, match=r"127\.0\.0\.1"):
+    with pytest.raises(
+        datasets.DownloadError, match=r"^could not reach 127\.0\.0\.1:1: Connection refused$"
+    ):
         datasets.fetch("x", directory=tmp_path, mirror="http://127.0.0.1:1")
     assert list(tmp_path.iterdir()) == []
 
@@ -207,7 +210,7 @@ def test_arguments(tmp_path: Path) -> None:
         datasets.fetch("bal/ladybag-49", directory=tmp_path)
     with pytest.raises(NotADirectoryError):
         datasets.fetch("bal/ladybug-49", directory=tmp_path / "none")
-    with pytest.raises(Error, match="http"):
+    with pytest.raises(OptionsError, match="http"):
         datasets.fetch("bal/ladybug-49", directory=tmp_path, mirror="ftp://somewhere")
 
 
@@ -242,10 +245,36 @@ def test_command_line(server: Server, small: datasets.BalEntry, tmp_path: Path) 
     assert "problem-49-7776-pre.txt" in good.stdout
 
 
+def test_one_failure_does_not_keep_the_others_from_coming(
+    server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fake(name: str, **words: object) -> Path:
+        if name == "problem-49-7776-pre":
+            raise datasets.DownloadError("no such thing")
+        return tmp_path / f"{name}.txt"
+
+    monkeypatch.setattr(command, "fetch", fake)
+    result = CliRunner().invoke(cli.app, ["download", "ladybug-49", "ladybug-73"])
+    assert result.exit_code == 1
+    assert result.stderr == "error: no such thing\n"
+    assert "problem-73-11032-pre.txt" in result.stdout
+
+
+@pytest.mark.parametrize("columns", [None, "60"])
+def test_names_in_the_list_are_whole(columns: str | None) -> None:
+    shown = CliRunner().invoke(cli.app, ["download", "--list"], env={"COLUMNS": columns}).stdout
+    assert "…" not in shown
+    for entry in datasets.bal_entries():
+        assert f"bal/{entry.alias} " in shown
+        assert entry.name in shown
+
+
 def test_command_line_list_and_usage() -> None:
     listed = CliRunner().invoke(cli.app, ["download", "--list"], env={"COLUMNS": "120"})
     assert listed.exit_code == 0
     for entry in datasets.bal_entries():
         assert f"bal/{entry.alias} " in listed.stdout
     assert CliRunner().invoke(cli.app, ["download"]).exit_code == 2
+    mirror = ["download", "ladybug-49", "--mirror", "ftp://somewhere"]
+    assert CliRunner().invoke(cli.app, mirror).exit_code == 2
     assert CliRunner().invoke(cli.app, ["download", "bal/nothing"]).exit_code == 2

@@ -20,7 +20,7 @@ FIGURES = {
     "pose_parametrisations": ["pose-parametrisations"],
     "point_parametrisations": ["point-parametrisations"],
     "graph_structure": ["graph-structure", "fill-in"],
-    "modern_synthesis": ["robust-laws", "gauge"],
+    "modern_synthesis": ["robust-losses", "gauge"],
 }
 MAX_FIGURE_BYTES = 150_000
 
@@ -29,14 +29,14 @@ Run = dict[str, Any]
 
 @pytest.fixture(scope="module")
 def run_example(tmp_path_factory: pytest.TempPathFactory):
-    """Run one example with --quick, once per test module; return its numbers and its folder."""
-    done: dict[str, tuple[Run, Path]] = {}
+    """Run one example (--quick, or full), once per test module; return its numbers and folder."""
+    done: dict[tuple[str, bool], tuple[Run, Path]] = {}
 
-    def run(name: str) -> tuple[Run, Path]:
-        if name not in done:
+    def run(name: str, *, full: bool = False) -> tuple[Run, Path]:
+        if (name, full) not in done:
             folder = tmp_path_factory.mktemp(name)
             numbers = folder / "numbers.json"
-            script = [sys.executable, str(THEORY / f"{name}.py"), "--quick"]
+            script = [sys.executable, str(THEORY / f"{name}.py"), *([] if full else ["--quick"])]
             result = subprocess.run(
                 [*script, "--output", str(folder), "--json", str(numbers)],
                 capture_output=True,
@@ -45,8 +45,8 @@ def run_example(tmp_path_factory: pytest.TempPathFactory):
             )
             assert result.returncode == 0, result.stderr
             assert result.stdout
-            done[name] = (json.loads(numbers.read_text(encoding="utf-8")), folder)
-        return done[name]
+            done[name, full] = (json.loads(numbers.read_text(encoding="utf-8")), folder)
+        return done[name, full]
 
     return run
 
@@ -218,15 +218,15 @@ def test_ordering_reduces_fill_in_and_a_street_is_sparser_than_an_orbit(run_exam
         assert row["blocks_S"] <= row["blocks_L"] <= row["full"]
 
 
-# --- robust laws and gauge ---
+# --- robust losses and gauge ---
 
 
 @pytest.mark.slow
-def test_robust_laws_keep_the_cameras_where_least_squares_loses_them(run_example):
+def test_robust_losses_keep_the_cameras_where_least_squares_loses_them(run_example):
     rows = run_example("modern_synthesis")[0]["outliers"]
-    error = {(r["law"], r["outliers"]): r["error_m"] for r in rows}
-    for law in ("huber:1", "cauchy:1", "student_t:1:5"):
-        assert error["trivial", 0.1] > 5.0 * error[law, 0.1]
+    error = {(r["loss"], r["outliers"]): r["error_m"] for r in rows}
+    for loss in ("huber:1", "cauchy:1", "student_t:1:5"):
+        assert error["trivial", 0.1] > 5.0 * error[loss, 0.1]
     assert error["cauchy:1", 0.1] < 2.0 * error["cauchy:1", 0.0]
 
 

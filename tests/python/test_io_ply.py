@@ -121,7 +121,7 @@ def test_only_finite_numbers_are_written(tmp_path):
     problem.cameras[2, 6:] = np.nan  # intrinsics only shape the drawing
     problem.observations[0] = np.nan
     summary = write_ply(problem, tmp_path / "scene.ply")
-    assert summary == PlySummary(17, 3, 3, 1)
+    assert summary == PlySummary(17, 3, 2, 1, 1)
     vertices, faces = parse((tmp_path / "scene.ply").read_bytes())
     assert len(vertices) == 17 + 3 * 6
     assert len(faces) == 3 * 7
@@ -183,6 +183,31 @@ def test_failure_leaves_the_old_file(tmp_path):
         write_ply(make_tiny_problem(), tmp_path / "missing" / "scene.ply")
 
 
+def test_far_points_are_left_out_and_counted(tmp_path):
+    problem = make_tiny_problem()
+    distances = np.abs(problem.points - np.median(problem.points, axis=0)).sum(axis=1)
+    extent = np.median(distances)
+    problem.points[4, 0] += 80.0 * extent
+    problem.points[6, 1] -= 140.0 * extent
+    path = tmp_path / "scene.ply"
+    assert write_ply(problem, path, cameras=False) == PlySummary(19, 0, 0, 0, 1)
+    vertices, _ = parse(path.read_bytes())
+    kept = np.delete(problem.points, 6, axis=0).astype(np.float32)
+    np.testing.assert_array_equal(vertices["xyz"], kept)
+    assert write_ply(problem, path, max_distance=np.inf).num_points == 20
+    assert write_ply(problem, path, max_distance=50.0 * extent).num_far_points == 2
+    for bad in (0.0, -1.0, np.nan):
+        with pytest.raises(raylign.OptionsError, match="max_distance"):
+            write_ply(problem, path, max_distance=bad)
+
+
+def test_points_in_one_place_are_all_written(tmp_path):
+    problem = make_tiny_problem()
+    problem.points[:] = 1.0
+    problem.points[0] = 9.0
+    assert write_ply(problem, tmp_path / "scene.ply").num_points == 20
+
+
 def test_needs_a_path():
     with pytest.raises(TypeError):
         write_ply(make_tiny_problem(), 3)
@@ -191,7 +216,9 @@ def test_needs_a_path():
 @pytest.mark.data
 def test_real_problem(shared_data: Path, tmp_path: Path):
     problem = raylign.io.read_bal(shared_data / "bal" / "problem-49-7776-pre.txt")
-    assert write_ply(problem, tmp_path / "ladybug.ply") == PlySummary(7776, 49, 0, 0)
+    assert write_ply(problem, tmp_path / "near.ply") == PlySummary(7752, 49, 0, 0, 24)
+    path = tmp_path / "ladybug.ply"
+    assert write_ply(problem, path, max_distance=np.inf) == PlySummary(7776, 49, 0, 0, 0)
     vertices, faces = parse((tmp_path / "ladybug.ply").read_bytes())
     np.testing.assert_allclose(
         vertices["xyz"][7776::6], problem.camera_centers(), rtol=1e-6, atol=1e-6

@@ -17,7 +17,7 @@ REFERENCE = {
     LossType.HUBER: lambda s, a: np.where(s <= a**2, s, 2 * a * np.sqrt(s) - a**2),
     LossType.SOFT_L1: lambda s, a: 2 * a**2 * (np.sqrt(1 + s / a**2) - 1),
     LossType.CAUCHY: lambda s, a: a**2 * np.log1p(s / a**2),
-    LossType.ARCTAN: lambda s, a: a * np.arctan(s / a),
+    LossType.ARCTAN: lambda s, a: a * a * np.arctan(s / (a * a)),
     LossType.TUKEY: lambda s, a: a**2 / 3 * (1 - (1 - np.minimum(s / a**2, 1)) ** 3),
     LossType.GEMAN_MCCLURE: lambda s, a: s / (1 + s / a**2),
     LossType.STUDENT_T: lambda s, a: 4 * a**2 * np.log1p(s / (4 * a**2)),
@@ -93,8 +93,11 @@ def test_options_contract(law):
     assert loss.to_dict() == {"type": law, "scale": 1.5, "degrees_of_freedom": 4.0}
     with pytest.raises(TypeError):
         Loss("huber")
-    with pytest.raises(TypeError):
-        Loss(type="huber")
+    assert Loss(type=law.name.lower()).type is law
+    with pytest.raises(raylign.OptionsError, match=r"Loss\.type must be one of"):
+        Loss(type="hubr")
+    with pytest.raises(raylign.OptionsError, match=r"Loss\.type must be like"):
+        Loss(type=3)
     with pytest.raises(TypeError, match="scal"):
         Loss(scal=1.0)
 
@@ -104,3 +107,12 @@ def test_options_contract(law):
 def test_impossible_values(field, value):
     with pytest.raises(raylign.OptionsError, match=f"Loss.{field} must be > 0"):
         Loss(**{field: value})
+
+
+@pytest.mark.parametrize("loss_type", list(LossType), ids=lambda t: t.name)
+def test_scale_is_in_units_of_the_residual(loss_type):
+    """Residuals and scale in another unit: the same law, ρ in the unit squared."""
+    s = np.array([0.0, 0.5, 3.0, 400.0])
+    one = Loss(type=loss_type, scale=1.0).evaluate(s)[0]
+    ten = Loss(type=loss_type, scale=10.0).evaluate(100.0 * s)[0]
+    np.testing.assert_allclose(ten, 100.0 * one, rtol=1e-13)

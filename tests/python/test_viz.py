@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from conftest import make_tiny_problem
-from raylign import bundle, viz
+from raylign import ShapeError, bundle, viz
 from raylign._json import jsonable
 from raylign.scene import BalProblem
 from raylign.viz import cost as cost_module
@@ -73,6 +73,11 @@ def test_summary_json(report: tuple[list[Path], bundle.Summary]) -> None:
     record = json.loads(text)
     assert record["summary"]["final_cost"] == summary.final_cost
     assert record["summary"]["termination"] == summary.termination.name.lower()
+    assert "rho" in record["units"]["summary.*cost*"]
+    assert "plain squares" in record["units"]["problem.*.cost"]
+    page = (written[0].parent / "index.html").read_text()
+    assert "points behind their camera" in page
+    assert "median ‖r‖" in page
     assert len(record["summary"]["iterations"]) == len(summary.iterations)
     assert record["options"]["lm"]["max_num_iterations"] == 50
     assert float(record["options"]["lm"]["max_solver_time_s"]) == float("inf")
@@ -203,6 +208,82 @@ def test_degenerate_problems_are_drawn(tiny_problem: BalProblem) -> None:
         viz.plot_sparsity(nothing),
     ):
         figure.draw_without_rendering()
+
+
+def test_nothing_to_draw_is_an_error(tiny_problem: BalProblem) -> None:
+    empty = no_observations(tiny_problem).replace(points=np.zeros((0, 3)))
+    for plot in (viz.plot_point_cloud, viz.plot_residuals, viz.plot_sparsity):
+        with pytest.raises(ShapeError, match=f"{plot.__name__}: nothing to draw.* 0 points"):
+            plot(empty)
+    with pytest.raises(ShapeError, match="no iterations"):
+        viz.plot_cost(bundle.Summary())
+
+
+def test_one_problem_and_a_result_are_enough(
+    tiny_problem: BalProblem, solved: bundle.BundleResult
+) -> None:
+    figure = viz.plot_residuals(tiny_problem)
+    assert len(figure.axes) == 2
+    assert len(figure.legends[0].get_texts()) == 1
+    figure.draw_without_rendering()
+    title = viz.plot_cost(solved).axes[1].get_title(loc="left")
+    assert title == viz.plot_cost(solved.summary).axes[1].get_title(loc="left")
+
+
+def test_camera_median(tiny_problem: BalProblem) -> None:
+    norms = np.linalg.norm(tiny_problem.residuals(), axis=1)
+    norms[3] = np.nan
+    medians = residuals._camera_median(tiny_problem, norms)
+    for camera in range(tiny_problem.num_cameras):
+        own = norms[tiny_problem.camera_index == camera]
+        assert medians[camera] == pytest.approx(np.nanmedian(own))
+    assert np.isnan(residuals._camera_median(no_observations(tiny_problem), norms[:0])).all()
+    figure = viz.plot_residuals(tiny_problem, tiny_problem, median=True)
+    assert "median" in figure.axes[2].get_title(loc="left")
+
+
+def failed_steps(solved: bundle.BundleResult) -> bundle.Summary:
+    rows = np.repeat(solved.summary.iterations[:1], 4)
+    rows["iteration"] = [0, 1, 2, 3]
+    rows["cost"] = [1e5, 1e9, 1e5, 0.01]
+    rows["step_norm"] = [0.0, 7.0, 0.0, 2.0]
+    rows["step_is_valid"] = [True, True, False, True]
+    rows["step_is_accepted"] = [True, False, False, True]
+    return solved.summary.replace(iterations=rows)
+
+
+def test_cost_tells_rejected_from_invalid_steps(solved: bundle.BundleResult) -> None:
+    figure = viz.plot_cost(failed_steps(solved))
+    over_iterations, state = figure.axes[1:]
+    lines = {line.get_label(): line.get_xdata() for line in over_iterations.lines}
+    np.testing.assert_array_equal(lines["rejected step"], [1])
+    np.testing.assert_array_equal(lines["invalid step"], [2])
+    crosses = [line for line in state.lines if line.get_marker() == "x"]
+    np.testing.assert_array_equal(crosses[0].get_ydata(), [7.0])
+
+
+def test_cost_axes_end_at_the_last_iteration_and_label_decades(
+    solved: bundle.BundleResult,
+) -> None:
+    figure = viz.plot_cost(failed_steps(solved))
+    for axes in figure.axes[1:]:
+        assert axes.get_xlim()[1] == pytest.approx(3.0, abs=0.1)
+    figure.draw_without_rendering()
+    axis = figure.axes[1].yaxis
+    exponents = np.log10(axis.get_majorticklocs())
+    np.testing.assert_allclose(exponents, exponents.round(), atol=1e-9)
+    assert not any(label.get_text() for label in axis.get_minorticklabels())
+
+
+def test_many_cameras_are_thinned_and_say_so(
+    tiny_problem: BalProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(point_cloud, "_MAX_CAMERAS", 2)
+    figure = viz.plot_point_cloud(tiny_problem)
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "camera (1 of 2 drawn)" in texts
+    centers = figure.axes[0].collections[2].get_offsets()
+    assert len(centers) == 2
 
 
 def test_jsonable() -> None:

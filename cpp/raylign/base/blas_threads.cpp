@@ -4,8 +4,12 @@
 
 #include <dlfcn.h>
 
+#include "raylign/base/shared_setting.h"
+
 namespace raylign {
 namespace {
+
+SharedSetting g_blas_threads;
 
 // Looked up at run time: Debian lets the administrator choose the BLAS behind libblas.so.3.
 template <typename Function>
@@ -13,19 +17,22 @@ Function* find_symbol(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
+int blas_threads() {
+  auto* get = find_symbol<int()>("openblas_get_num_threads");
+  return get == nullptr ? 1 : get();
+}
+
+void set_blas_threads(int count) {
+  auto* set = find_symbol<void(int)>("openblas_set_num_threads");
+  if (set != nullptr) set(count);
+}
+
 }  // namespace
 
 ScopedSingleThreadedBlas::ScopedSingleThreadedBlas() {
-  auto* get = find_symbol<int()>("openblas_get_num_threads");
-  auto* set = find_symbol<void(int)>("openblas_set_num_threads");
-  if (get == nullptr || set == nullptr) return;
-  previous_threads_ = get();
-  set(1);
+  g_blas_threads.enter(blas_threads, set_blas_threads, 1);
 }
 
-ScopedSingleThreadedBlas::~ScopedSingleThreadedBlas() {
-  auto* set = find_symbol<void(int)>("openblas_set_num_threads");
-  if (set != nullptr && previous_threads_ > 0) set(previous_threads_);
-}
+ScopedSingleThreadedBlas::~ScopedSingleThreadedBlas() { g_blas_threads.leave(set_blas_threads); }
 
 }  // namespace raylign

@@ -12,9 +12,6 @@ class ScopedSingleThreadedBlas {
   ~ScopedSingleThreadedBlas();
   ScopedSingleThreadedBlas(const ScopedSingleThreadedBlas&) = delete;
   ScopedSingleThreadedBlas& operator=(const ScopedSingleThreadedBlas&) = delete;
-
- private:
-  int previous_threads_ = 0;
 };
 
 }  // namespace raylign

@@ -3,6 +3,7 @@
 #include "raylign/base/error.h"
 
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace raylign {
@@ -29,7 +30,14 @@ FormatError::FormatError(std::string file, std::int64_t line, std::string field,
       reason_(std::move(reason)) {}
 
 std::string format_double(double value) {
+  if (std::isnan(value)) return "nan";  // never "-nan": the sign of NaN means nothing
   char buffer[32];
+  constexpr double kLargestPlainInteger = 1e15;  // 100000, not 1e+05
+  if (value == std::trunc(value) && std::abs(value) < kLargestPlainInteger) {
+    const auto plain =
+        std::to_chars(buffer, buffer + sizeof(buffer), static_cast<std::int64_t>(value));
+    return std::string(buffer, plain.ptr);
+  }
   const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value);
   return std::string(buffer, result.ptr);
 }

@@ -49,7 +49,7 @@ class FormatError : public Error {
   std::string reason_;
 };
 
-/// Shortest decimal text that reads back as the same double.
+/// Shortest decimal text that reads back as the same double; integers without exponent.
 std::string format_double(double value);
 
 /// Throws OptionsError("LmOptions.initial_lambda must be > 0, got -1") unless `ok`.

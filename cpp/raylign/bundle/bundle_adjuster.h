@@ -12,8 +12,8 @@ namespace raylign {
 
 /// Minimises ½ Σ ρ(‖π(R_cw X + t_cw) − u‖²) over poses, intrinsics and points (Triggs et al. 2000).
 ///
-/// `problem` is the one argument that changes: on return it holds the best state found; it is
-/// untouched when Summary::termination is FAILURE. Throws OptionsError, ShapeError; numerical
+/// `problem` is the one argument that changes: on return it holds the best state found, which is
+/// the start, bit by bit, when no step was accepted. Throws OptionsError, ShapeError; numerical
 /// trouble is no exception but Termination::FAILURE with a message.
 Summary adjust(BalProblem& problem,
                const BundleConfig& config,

@@ -43,8 +43,8 @@ class BalCamera {
   static bool is_in_front(const Vector3& p_c) { return p_c.z() < 0.0; }
 
   /// Projects p_c, also from behind: the BAL cost has no cheirality test (see is_in_front). False,
-  /// with outputs unspecified, when |z| < kMinDepth or the result is not finite. Inline: the
-  /// innermost function of bundle adjustment.
+  /// with outputs unspecified, when |z| <= kMinDepth (|x| + |y|) or the result is not finite.
+  /// Inline: the innermost function of bundle adjustment.
   bool project(const Vector3& p_c,
                Vector2& uv,
                RowMajor<2, 3>* J_point = nullptr,
@@ -67,7 +67,8 @@ inline bool BalCamera::project(const Vector3& p_c,
                                Vector2& uv,
                                RowMajor<2, 3>* J_point,
                                RowMajor<2, kNumParams>* J_params) const {
-  if (!(std::abs(p_c.z()) >= kMinDepth)) return false;
+  // Relative: a multiple of p_c is the same viewing ray, and homogeneous points come in any scale.
+  if (!(std::abs(p_c.z()) > kMinDepth * (std::abs(p_c.x()) + std::abs(p_c.y())))) return false;
   const double w = -1.0 / p_c.z();
   const double x = p_c.x() * w;
   const double y = p_c.y() * w;

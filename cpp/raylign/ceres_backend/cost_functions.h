@@ -14,13 +14,14 @@ namespace raylign::ceres_backend {
 template <typename Pose, typename Point>
 class ReprojectionCost final : public ceres::SizedCostFunction<2, Pose::kSize, 3, Point::kSize> {
  public:
-  explicit ReprojectionCost(const Vector2& observed) : observed_(observed) {}
+  explicit ReprojectionCost(const Vector2& observed, const Point& point_model = Point())
+      : observed_(observed), point_model_(point_model) {}
 
   bool Evaluate(double const* const* x, double* residual, double** J) const override {
     const Pose pose(x[0]);
     const Vector3 intrinsics(x[1][0], x[1][1], x[1][2]);
-    const double w = Point::w(x[2]);
-    const Vector3 rotated = pose.R_cw * Point::x_bar(x[2]);
+    const double w = point_model_.w(x[2]);
+    const Vector3 rotated = pose.R_cw * point_model_.x_bar(x[2]);
     const Vector3 p_c = rotated + w * pose.t_cw;
     Vector2 r;
     if (J == nullptr) {
@@ -34,7 +35,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, Pose::kSize, 3
       }
       if (J[1] != nullptr) Eigen::Map<RowMajor<2, 3>>{J[1]} = J_intrinsics;
       if (J[2] != nullptr) {
-        Point::write_jacobian(point_jacobian(J_p, pose.R_cw), J_p * pose.t_cw, J[2]);
+        point_model_.write_jacobian(point_jacobian(J_p, pose.R_cw), J_p * pose.t_cw, J[2]);
       }
     }
     Eigen::Map<Vector2>{residual} = r;
@@ -43,6 +44,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, Pose::kSize, 3
 
  private:
   Vector2 observed_;
+  Point point_model_;
 };
 
 /// A point m / ρ, m = (α, β, −1), in the frame of its host camera h, seen from camera c. In
@@ -64,9 +66,13 @@ class InverseDepthCost final : public ceres::SizedCostFunction<2, Pose::kSize, 3
     Vector2 r;
     RowMajor<2, 3> J_p;
     RowMajor<2, 3> J_intrinsics;
-    if (!reprojection_residual(p_c, intrinsics, observed_, r, &J_p, &J_intrinsics)) return false;
+    const bool wanted = J != nullptr;
+    if (!reprojection_residual(p_c, intrinsics, observed_, r, wanted ? &J_p : nullptr,
+                               wanted ? &J_intrinsics : nullptr)) {
+      return false;
+    }
     Eigen::Map<Vector2>{residual} = r;
-    if (J == nullptr) return true;
+    if (!wanted) return true;
     if (J[0] != nullptr) {
       pose.write_jacobian(pose_jacobian(J_p, rotated).template rightCols<3>(), rho * J_p, J[0]);
     }
@@ -98,12 +104,13 @@ class InverseDepthHostCost final : public ceres::SizedCostFunction<2, 3, 3> {
     Vector2 r;
     RowMajor<2, 3> J_p;
     RowMajor<2, 3> J_intrinsics;
-    if (!reprojection_residual({x[1][0], x[1][1], -1.0}, intrinsics, observed_, r, &J_p,
-                               &J_intrinsics)) {
+    const bool wanted = J != nullptr;
+    if (!reprojection_residual({x[1][0], x[1][1], -1.0}, intrinsics, observed_, r,
+                               wanted ? &J_p : nullptr, wanted ? &J_intrinsics : nullptr)) {
       return false;
     }
     Eigen::Map<Vector2>{residual} = r;
-    if (J == nullptr) return true;
+    if (!wanted) return true;
     if (J[0] != nullptr) Eigen::Map<RowMajor<2, 3>>{J[0]} = J_intrinsics;
     if (J[1] != nullptr) {
       J_p.col(2).setZero();  // the host does not see ρ

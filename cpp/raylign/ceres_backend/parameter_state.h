@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "raylign/ceres_backend/point_blocks.h"
 #include "raylign/parametrization/constants.h"
 #include "raylign/scene/bal_problem.h"
 #include "raylign/solver/bundle_options.h"
@@ -15,6 +16,10 @@ namespace raylign::ceres_backend {
 
 /// How one point is stored in its block.
 enum class PointModel { XYZ, HOMOGENEOUS, INVERSE_DEPTH };
+
+/// Center and root-mean-square extent of the cameras; where they all stand in one place, the median
+/// distance of the points; 1 when that is zero too.
+HomogeneousFrame homogeneous_frame(const BalProblem& problem);
 
 /// The numbers that Ceres moves: camera by camera pose and intrinsics, then the points, in the
 /// chosen parametrisation; and the way from a BalProblem and back.
@@ -30,8 +35,9 @@ class ParameterState {
                  const Constants& held)
       : problem_(problem), parametrization_(parametrization), held_(held) {
     find_hosts();
+    frame_ = homogeneous_frame(problem);
     point_size_ = parametrization == PointParametrization::HOMOGENEOUS ? 4 : 3;
-    points_offset_ = problem.num_cameras() * kCameraSize;
+    points_offset_ = problem.num_cameras() * kCameraStride;
     values_.resize(points_offset_ + problem.num_points() * point_size_);
     for (std::int64_t c = 0; c < problem.num_cameras(); ++c) load_camera(c);
     for (std::int64_t p = 0; p < problem.num_points(); ++p) load_point(p);
@@ -40,9 +46,11 @@ class ParameterState {
   ParameterState(const ParameterState&) = delete;  // Ceres keeps the addresses
   ParameterState& operator=(const ParameterState&) = delete;
 
-  double* pose(std::int64_t c) { return values_.data() + c * kCameraSize; }
+  double* pose(std::int64_t c) { return values_.data() + c * kCameraStride; }
   double* intrinsics(std::int64_t c) { return pose(c) + Pose::kSize; }
   double* point(std::int64_t p) { return values_.data() + points_offset_ + p * point_size_; }
+
+  const HomogeneousFrame& frame() const { return frame_; }
 
   /// First camera (lowest index) that sees point p: where an inverse-depth point is anchored. −1:
   /// nobody.
@@ -62,6 +70,9 @@ class ParameterState {
     return PointModel::XYZ;
   }
 
+  void save() { saved_values_ = values_; }
+  void restore_saved() { values_ = saved_values_; }
+
   /// Writes the state into `problem`; numbers of blocks that still hold their first bits are left
   /// alone.
   void write_back(BalProblem& problem) const {
@@ -74,9 +85,9 @@ class ParameterState {
   }
 
  private:
-  static constexpr std::int64_t kCameraSize = Pose::kSize + 3;
+  static constexpr std::int64_t kCameraStride = Pose::kSize + 3;
 
-  const double* pose(std::int64_t c) const { return values_.data() + c * kCameraSize; }
+  const double* pose(std::int64_t c) const { return values_.data() + c * kCameraStride; }
 
   void find_hosts() {
     hosts_.assign(problem_.num_points(), -1);
@@ -101,7 +112,8 @@ class ParameterState {
         Eigen::Map<Vector3>{point(p)} = x;
         return;
       case PointModel::HOMOGENEOUS:
-        Eigen::Map<Vector4>{point(p)} = x.homogeneous().stableNormalized();
+        Eigen::Map<Vector4>{point(p)} =
+            Vector3((x - frame_.center) / frame_.scale).homogeneous().stableNormalized();
         return;
       case PointModel::INVERSE_DEPTH:
         break;
@@ -118,7 +130,7 @@ class ParameterState {
 
   void write_back_camera(std::int64_t c, BalProblem& problem) const {
     const double* block = pose(c);
-    const std::int64_t first = c * kCameraSize;
+    const std::int64_t first = c * kCameraStride;
     constexpr std::int64_t kRotationSize = Pose::kSize - 3;
     if (changed(first, kRotationSize)) {  // a held rotation keeps the file's digits
       problem.cameras.row(c).template head<3>() = Pose::angle_axis(block).transpose();
@@ -132,7 +144,7 @@ class ParameterState {
   // An anchored point moves in the world with its host, even when its own numbers stay.
   bool host_moved(std::int64_t p) const {
     return point_model(p) == PointModel::INVERSE_DEPTH && hosts_[p] >= 0 &&
-           changed(hosts_[p] * kCameraSize, Pose::kSize);
+           changed(hosts_[p] * kCameraStride, Pose::kSize);
   }
 
   Vector3 world_point(std::int64_t p) const {
@@ -141,17 +153,19 @@ class ParameterState {
       case PointModel::XYZ:
         return Eigen::Map<const Vector3>(block);
       case PointModel::HOMOGENEOUS:
-        return Eigen::Map<const Vector3>(block) / bounded_weight(block[3]);
+        return frame_.center +
+               frame_.scale / bounded_weight(block[3]) * Eigen::Map<const Vector3>(block);
       case PointModel::INVERSE_DEPTH:
         break;
     }
     const Pose host(pose(hosts_[p]));
     const Vector3 m(block[0], block[1], -1.0);
-    return host.R_cw.transpose() * (m / bounded_weight(block[2]) - host.t_cw);
+    const double inv_depth = bounded_weight(block[2] * frame_.scale) / frame_.scale;
+    return host.R_cw.transpose() * (m / inv_depth - host.t_cw);
   }
 
-  // A BAL file has no points at infinity: they are written at 1e12 scene units, where the pixel is
-  // the same to about 1e-9 px.
+  // A BAL file has no points at infinity: they are written 1e12 camera extents away, where the
+  // pixel is the same to about 1e-9 px.
   static double bounded_weight(double w) {
     constexpr double kSmallest = 1e-12;
     return std::abs(w) < kSmallest ? std::copysign(kSmallest, w) : w;
@@ -160,10 +174,11 @@ class ParameterState {
   const BalProblem& problem_;
   const PointParametrization parametrization_;
   const Constants& held_;
+  HomogeneousFrame frame_;
   std::vector<std::int32_t> hosts_;
   std::int64_t point_size_ = 3;
   std::int64_t points_offset_ = 0;
-  std::vector<double> values_, initial_values_;
+  std::vector<double> values_, initial_values_, saved_values_;
 };
 
 }  // namespace raylign::ceres_backend

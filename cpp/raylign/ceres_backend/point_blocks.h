@@ -4,30 +4,48 @@
 
 #include "raylign/base/eigen.h"
 
-/// How a point is stored in a Ceres parameter block. Each reads as a homogeneous point (x̄, w), so
-/// that p_c = R x̄ + w t, and turns ∂r/∂x̄ and ∂r/∂w into the Jacobian of its own numbers.
+/// How a point is stored in a Ceres parameter block. Each reads as a homogeneous point (x̄, w) of
+/// the world, so that p_c = R x̄ + w t, and turns ∂r/∂x̄ and ∂r/∂w into the Jacobian of its own
+/// numbers.
 namespace raylign::ceres_backend {
 
 /// (X, Y, Z).
 struct XyzPoint {
   static constexpr int kSize = 3;
-  static Vector3 x_bar(const double* block) { return {block[0], block[1], block[2]}; }
-  static double w(const double* /*block*/) { return 1.0; }
-  static void write_jacobian(const RowMajor<2, 3>& J_x, const Vector2& /*J_w*/, double* out) {
+  Vector3 x_bar(const double* block) const { return {block[0], block[1], block[2]}; }
+  double w(const double* /*block*/) const { return 1.0; }
+  void write_jacobian(const RowMajor<2, 3>& J_x, const Vector2& /*J_w*/, double* out) const {
     Eigen::Map<RowMajor<2, kSize>>{out} = J_x;
   }
 };
 
-/// [x̄; w] on the unit sphere of R⁴ (Triggs et al. 2000, §2.2); w may reach and cross zero.
-struct HomogeneousPoint {
+/// Where homogeneous coordinates are taken: X = center + scale · x̃ / w̃. A unit 4-vector mixes
+/// lengths with a pure number, so it is well-conditioned only in units of the cameras' own extent.
+struct HomogeneousFrame {
+  Vector3 center = Vector3::Zero();
+  double scale = 1.0;
+};
+
+/// [x̃; w̃] on the unit sphere of R⁴ (Triggs et al. 2000, §2.2); w̃ may reach and cross zero.
+class HomogeneousPoint {
+ public:
   static constexpr int kSize = 4;
-  static Vector3 x_bar(const double* block) { return {block[0], block[1], block[2]}; }
-  static double w(const double* block) { return block[3]; }
-  static void write_jacobian(const RowMajor<2, 3>& J_x, const Vector2& J_w, double* out) {
-    Eigen::Map<RowMajor<2, kSize>> J(out);
-    J.leftCols<3>() = J_x;
-    J.col(3) = J_w;
+
+  /// `frame` must outlive the point.
+  explicit HomogeneousPoint(const HomogeneousFrame& frame) : frame_(&frame) {}
+
+  Vector3 x_bar(const double* block) const {
+    return frame_->scale * Vector3(block[0], block[1], block[2]) + block[3] * frame_->center;
   }
+  double w(const double* block) const { return block[3]; }
+  void write_jacobian(const RowMajor<2, 3>& J_x, const Vector2& J_w, double* out) const {
+    Eigen::Map<RowMajor<2, kSize>> J(out);
+    J.leftCols<3>() = frame_->scale * J_x;
+    J.col(3) = J_x * frame_->center + J_w;
+  }
+
+ private:
+  const HomogeneousFrame* frame_;
 };
 
 }  // namespace raylign::ceres_backend

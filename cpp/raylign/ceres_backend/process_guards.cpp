@@ -4,12 +4,21 @@
 
 #include <glog/logging.h>
 
-namespace raylign::ceres_backend {
+#include "raylign/base/shared_setting.h"
 
-ScopedGlogSilence::ScopedGlogSilence() : previous_level_(FLAGS_minloglevel) {
-  FLAGS_minloglevel = google::GLOG_FATAL;
+namespace raylign::ceres_backend {
+namespace {
+
+SharedSetting g_glog_level;
+
+void set_glog_level(int level) { FLAGS_minloglevel = level; }
+
+}  // namespace
+
+ScopedGlogSilence::ScopedGlogSilence() {
+  g_glog_level.enter([] { return FLAGS_minloglevel; }, set_glog_level, google::GLOG_FATAL);
 }
 
-ScopedGlogSilence::~ScopedGlogSilence() { FLAGS_minloglevel = previous_level_; }
+ScopedGlogSilence::~ScopedGlogSilence() { g_glog_level.leave(set_glog_level); }
 
 }  // namespace raylign::ceres_backend

@@ -66,6 +66,8 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
     apply_point_constants();
   }
 
+  void save_state() override { state_.save(); }
+  void restore_saved_state() override { state_.restore_saved(); }
   void write_back(BalProblem& problem) const override { state_.write_back(problem); }
 
  private:
@@ -82,8 +84,9 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
         ceres_->AddResidualBlock(&xyz_costs_.emplace_back(observed), loss, pose, intrinsics, point);
         break;
       case PointModel::HOMOGENEOUS:
-        ceres_->AddResidualBlock(&homogeneous_costs_.emplace_back(observed), loss, pose, intrinsics,
-                                 point);
+        ceres_->AddResidualBlock(
+            &homogeneous_costs_.emplace_back(observed, HomogeneousPoint(state_.frame())), loss,
+            pose, intrinsics, point);
         break;
       case PointModel::INVERSE_DEPTH:
         if (state_.host(p) == c) {
@@ -109,8 +112,7 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
   }
 
   void apply_camera_constants() {
-    std::unique_ptr<ceres::Manifold> shared(pose_manifold(PoseMask{}));  // serves every free camera
-    ceres::Manifold* free_pose = shared.get();
+    ceres::Manifold* free_pose = nullptr;  // one object serves every free camera
     for (std::int64_t c = 0; c < source_.num_cameras(); ++c) {
       if (ceres_->HasParameterBlock(state_.intrinsics(c))) {
         hold_coordinates(state_.intrinsics(c), held_.intrinsics[c]);
@@ -122,14 +124,13 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
         ceres_->SetParameterBlockConstant(pose);
       } else if (mask.any()) {
         ceres_->SetManifold(pose, pose_manifold(mask));
-      } else if (free_pose != nullptr) {
+      } else if (options_.pose_parametrization != PoseParametrization::ANGLE_AXIS) {
+        if (free_pose == nullptr) free_pose = pose_manifold(mask);
         ceres_->SetManifold(pose, free_pose);
-        (void)shared.release();  // Ceres owns it from the first use on
       }
     }
   }
 
-  // nullptr: the block is its own tangent space.
   ceres::Manifold* pose_manifold(const PoseMask& mask) const {
     switch (options_.pose_parametrization) {
       case PoseParametrization::SE3:
@@ -139,7 +140,6 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
       case PoseParametrization::ANGLE_AXIS:
         break;
     }
-    if (!mask.any()) return nullptr;
     std::vector<int> held = mask.rotation ? std::vector<int>{0, 1, 2} : std::vector<int>{};
     for (const int k : held_offsets(mask.translation)) held.push_back(3 + k);
     return new ceres::SubsetManifold(6, held);

@@ -32,6 +32,9 @@ class ReprojectionProblem {
   const std::vector<double*>& blocks() const { return blocks_; }
   const std::vector<double*>& point_blocks() const { return point_blocks_; }
 
+  /// Ceres puts the start back when it fails; what it had reached until then is kept here.
+  virtual void save_state() = 0;
+  virtual void restore_saved_state() = 0;
   /// Writes the current state into `problem`; blocks that still hold their first bits are left
   /// alone.
   virtual void write_back(BalProblem& problem) const = 0;

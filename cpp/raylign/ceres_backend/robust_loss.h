@@ -17,7 +17,9 @@ class RobustLoss final : public ceres::LossFunction {
     const LossValue value = loss_.evaluate(squared_norm);
     out[0] = value.rho;
     out[1] = value.d_rho;
-    out[2] = value.d2_rho;
+    // Every law here is concave, ρ″ <= 0. Ceres aborts the process on ρ″ = NaN with ρ′ = 0, which
+    // is what ρ″ becomes when s overflows.
+    out[2] = value.d2_rho <= 0.0 ? value.d2_rho : 0.0;
   }
 
  private:

@@ -4,52 +4,19 @@
 
 #include <ceres/crs_matrix.h>
 
+#include <algorithm>
+
 #include "raylign/base/blas_threads.h"
 #include "raylign/base/error.h"
 #include "raylign/base/stopwatch.h"
+#include "raylign/ceres_backend/linear_solver_choice.h"
 #include "raylign/ceres_backend/process_guards.h"
 #include "raylign/ceres_backend/reprojection_problem.h"
 #include "raylign/ceres_backend/summary_bridge.h"
-#include "raylign/scene/bal_statistics.h"
+#include "raylign/parametrization/start_check.h"
 
 namespace raylign::ceres_backend {
 namespace {
-
-// COLMAP's rule: a dense S up to 50 cameras, a sparse factor up to 1000, conjugate gradients
-// beyond.
-constexpr std::int64_t kMaxCamerasDense = 50;
-constexpr std::int64_t kMaxCamerasSparse = 1000;
-// Ceres allocates J and JᵀJ as dense matrices for dense_normal_cholesky; past this the machine
-// would swap.
-constexpr double kMaxDenseBytes = 8e9;
-
-struct SolverChoice {
-  LinearSolverType type;
-  std::string reason;
-};
-
-SolverChoice choose_linear_solver(LinearSolverType requested, std::int64_t num_cameras) {
-  if (requested != LinearSolverType::AUTO) return {requested, "requested"};
-  const std::string count = std::to_string(num_cameras) + " cameras";
-  if (num_cameras <= kMaxCamerasDense) {
-    return {LinearSolverType::DENSE_SCHUR, "auto: " + count + " <= 50, so a dense S is cheapest"};
-  }
-  if (num_cameras <= kMaxCamerasSparse) {
-    return {LinearSolverType::SPARSE_SCHUR,
-            "auto: 50 < " + count + " <= 1000, so S is factored sparsely"};
-  }
-  return {LinearSolverType::ITERATIVE_SCHUR, "auto: " + count + " > 1000, so S is not factored"};
-}
-
-void check_dense_memory(const BalProblem& problem) {
-  const double columns = 9.0 * problem.num_cameras() + 3.0 * problem.num_points();
-  const double rows = 2.0 * problem.num_observations();
-  const double bytes = 8.0 * columns * (rows + columns);
-  if (bytes <= kMaxDenseBytes) return;
-  throw OptionsError("LinearSolverOptions.type DENSE_NORMAL_CHOLESKY would allocate " +
-                     std::to_string(static_cast<std::int64_t>(bytes / 1e9)) +
-                     " GB of dense matrices for this problem (limit 8 GB); use a Schur solver");
-}
 
 // Ceres' Schur solvers want the elimination order: points first.
 void set_ordering(ReprojectionProblem& problem, ceres::Solver::Options& options) {
@@ -70,6 +37,22 @@ void ensure_first_row(Summary& summary, int num_residual_blocks) {
   summary.iterations.push_back(row);
 }
 
+// After a failure Ceres forgets the costs; the rows have them.
+void adopt_costs_of_rows(Summary& summary) {
+  if (summary.iterations.empty()) return;
+  summary.initial_cost = summary.iterations.front().cost;
+  summary.final_cost = summary.initial_cost;
+  for (const IterationSummary& row : summary.iterations) {
+    if (row.step_is_accepted) summary.final_cost = row.cost;
+  }
+}
+
+bool has_free_point(ReprojectionProblem& problem) {
+  return std::any_of(
+      problem.point_blocks().begin(), problem.point_blocks().end(),
+      [&](double* block) { return !problem.ceres_problem().IsParameterBlockConstant(block); });
+}
+
 }  // namespace
 
 Summary solve(BalProblem& problem,
@@ -80,14 +63,13 @@ Summary solve(BalProblem& problem,
   const Stopwatch stopwatch;
   const ScopedGlogSilence silence;
   const ScopedSingleThreadedBlas single_threaded_blas;
-  const SolverChoice choice =
-      choose_linear_solver(options.linear_solver.type, problem.num_cameras());
-  if (choice.type == LinearSolverType::DENSE_NORMAL_CHOLESKY) check_dense_memory(problem);
-
   // asked before Ceres sees a number: it aborts the process on NaN parameters
-  const std::string invalid = describe_invalid_residual(problem);
+  const std::string invalid = describe_invalid_start(problem, options.loss);
   if (!invalid.empty()) return failed_summary("ceres", invalid);
   const auto built = ReprojectionProblem::create(problem, config, options);
+  const bool eliminates = has_free_point(*built);
+  LinearSolverChoice choice = choose_linear_solver(options.linear_solver.type, problem, eliminates);
+  check_ceres_limits(problem, choice.type, eliminates);
 
   BundleOptions resolved = options;
   resolved.linear_solver.type = choice.type;
@@ -95,7 +77,7 @@ Summary solve(BalProblem& problem,
   set_ordering(*built, ceres_options);
   const int num_residual_blocks = static_cast<int>(problem.num_observations());
   const double build_time_s = stopwatch.seconds();
-  CallbackBridge bridge(callback, num_residual_blocks, build_time_s);
+  CallbackBridge bridge(callback, num_residual_blocks, build_time_s, [&] { built->save_state(); });
   ceres_options.callbacks.push_back(&bridge);
   ceres::Solver::Summary ceres_summary;
   ceres::Solve(ceres_options, &built->ceres_problem(), &ceres_summary);
@@ -104,9 +86,19 @@ Summary solve(BalProblem& problem,
   Summary summary = from_ceres(ceres_summary, options.lm);
   summary.linear_solver = choice.type;
   summary.linear_solver_reason = choice.reason;
+  if (ceres_summary.linear_solver_type_used != ceres_options.linear_solver_type) {
+    summary.linear_solver_reason +=
+        std::string("; Ceres ran ") +
+        ceres::LinearSolverTypeToString(ceres_summary.linear_solver_type_used);
+  }
   summary.iterations = bridge.iterations();
-  ensure_first_row(summary, num_residual_blocks);
   summary.count_steps();
+  if (summary.termination == Termination::FAILURE) {
+    adopt_costs_of_rows(summary);
+    if (summary.num_accepted > 0) built->restore_saved_state();
+  } else {
+    ensure_first_row(summary, num_residual_blocks);
+  }
   if (summary.is_usable()) built->write_back(problem);
   summary.preprocessor_time_s += build_time_s;
   summary.total_time_s = stopwatch.seconds();
@@ -117,7 +109,7 @@ Linearization linearize(const BalProblem& problem,
                         const BundleConfig& config,
                         const BundleOptions& options) {
   const ScopedGlogSilence silence;
-  const std::string invalid = describe_invalid_residual(problem);
+  const std::string invalid = describe_invalid_start(problem, options.loss);
   if (!invalid.empty()) throw Error(invalid);
   const auto built = ReprojectionProblem::create(problem, config, options);
 
@@ -132,9 +124,11 @@ Linearization linearize(const BalProblem& problem,
   ceres::CRSMatrix jacobian;
   // An empty list would mean "all blocks" to Ceres, held ones included.
   const bool any_free = !evaluate.parameter_blocks.empty();
-  built->ceres_problem().Evaluate(evaluate, &out.cost, &out.residuals,
-                                  any_free ? &out.gradient : nullptr,
-                                  any_free ? &jacobian : nullptr);
+  if (!built->ceres_problem().Evaluate(evaluate, &out.cost, &out.residuals,
+                                       any_free ? &out.gradient : nullptr,
+                                       any_free ? &jacobian : nullptr)) {
+    throw Error("a residual or a Jacobian is not finite at the current state");
+  }
   out.num_columns = any_free ? jacobian.num_cols : 0;
   out.row_starts.assign(jacobian.rows.begin(), jacobian.rows.end());
   out.columns.assign(jacobian.cols.begin(), jacobian.cols.end());

@@ -3,6 +3,7 @@
 #include "raylign/ceres_backend/summary_bridge.h"
 
 #include <algorithm>
+#include <thread>
 
 namespace raylign::ceres_backend {
 namespace {
@@ -76,7 +77,9 @@ ceres::Solver::Options to_ceres(const BundleOptions& options) {
   out.max_lm_diagonal = lm.max_diagonal;
   out.max_num_consecutive_invalid_steps = lm.max_num_consecutive_invalid_steps;
   out.jacobi_scaling = lm.jacobi_scaling;
-  out.num_threads = lm.num_threads;
+  // More threads than processors only cost memory: Ceres gives each a gradient of its own.
+  const int num_processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  out.num_threads = std::min(lm.num_threads, num_processors);
   out.linear_solver_type = to_ceres(options.linear_solver.type);
   out.preconditioner_type = to_ceres(options.linear_solver.preconditioner);
   out.use_explicit_schur_complement = options.linear_solver.explicit_schur;
@@ -85,6 +88,7 @@ ceres::Solver::Options to_ceres(const BundleOptions& options) {
   out.dense_linear_algebra_library_type =
       ceres::LAPACK;  // OpenBLAS; Debian's Eigen kernels are SSE2
   out.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  out.update_state_every_iteration = true;  // the callback sees, and keeps, each accepted state
   out.logging_type = ceres::SILENT;
   out.minimizer_progress_to_stdout = false;
   return out;
@@ -127,6 +131,7 @@ ceres::CallbackReturnType CallbackBridge::operator()(const ceres::IterationSumma
   row.iteration_time_s = summary.iteration_time_in_seconds;
   row.cumulative_time_s = time_before_s_ + summary.cumulative_time_in_seconds;
   iterations_.push_back(row);
+  if (row.step_is_accepted) on_accepted_();
   if (!callback_) return ceres::SOLVER_CONTINUE;
   try {
     return callback_(row) == CallbackAction::STOP ? ceres::SOLVER_TERMINATE_SUCCESSFULLY

@@ -6,6 +6,8 @@
 #include <ceres/solver.h>
 
 #include <exception>
+#include <functional>
+#include <utility>
 
 #include "raylign/solver/bundle_options.h"
 #include "raylign/solver/summary.h"
@@ -25,12 +27,15 @@ class CallbackBridge final : public ceres::IterationCallback {
  public:
   /// @param time_before_s seconds spent before Ceres was called: our cumulative time counts from
   /// the call
+  /// @param on_accepted   called when the parameter blocks hold a new accepted state
   CallbackBridge(const raylign::IterationCallback& callback,
                  int num_residual_blocks,
-                 double time_before_s)
+                 double time_before_s,
+                 std::function<void()> on_accepted)
       : callback_(callback),
         num_residual_blocks_(num_residual_blocks),
-        time_before_s_(time_before_s) {}
+        time_before_s_(time_before_s),
+        on_accepted_(std::move(on_accepted)) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
 
@@ -41,6 +46,7 @@ class CallbackBridge final : public ceres::IterationCallback {
   const raylign::IterationCallback& callback_;
   int num_residual_blocks_;
   double time_before_s_;
+  std::function<void()> on_accepted_;
   std::vector<IterationSummary> iterations_;
   std::exception_ptr pending_exception_;
 };

@@ -32,14 +32,26 @@ void append_printable(std::string& text, char c) {
   text += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
 }
 
-// from_chars reports overflow and underflow alike; a number below 1 in magnitude can only
-// underflow.
-bool is_underflow(const char* token, const char* end) {
-  const char* exponent = std::find_if(token, end, [](char c) { return c == 'e' || c == 'E'; });
-  if (exponent != end) return exponent + 1 != end && exponent[1] == '-';
-  const char* point = std::find(token, end, '.');
-  return std::none_of(token, point, [](char c) { return c >= '1' && c <= '9'; });
+// Decimal exponent of the first significant digit of a number that from_chars has
+// understood: 12.5e-3 has 1 + (−3), 0.00125 has −3. Clamped far outside the range of double.
+std::int64_t decimal_magnitude(const char* token, const char* end) {
+  constexpr std::int64_t kClamp = 1000000;
+  const char* exponent_mark = std::find_if(token, end, [](char c) { return c == 'e' || c == 'E'; });
+  const char* point = std::find(token, exponent_mark, '.');
+  const char* digit =
+      std::find_if(token, exponent_mark, [](char c) { return c >= '1' && c <= '9'; });
+  const std::int64_t position = digit < point ? point - digit - 1 : point - digit;
+  if (exponent_mark == end) return position;
+  const char* first = exponent_mark + 1;
+  if (first != end && *first == '+') ++first;
+  std::int64_t exponent = 0;
+  const auto result = std::from_chars(first, end, exponent);
+  if (result.ec == std::errc::result_out_of_range) exponent = *first == '-' ? -kClamp : kClamp;
+  return position + std::clamp(exponent, -kClamp, kClamp);
 }
+
+// from_chars reports overflow and underflow alike.
+bool is_underflow(const char* token, const char* end) { return decimal_magnitude(token, end) < 0; }
 
 std::from_chars_result convert(const char* begin, const char* end, std::int64_t& value) {
   return std::from_chars(begin, end, value);

@@ -32,9 +32,10 @@ LossValue cauchy(double s, double b) {
   return {b * std::log1p(s / b), w, -w * w / b};
 }
 
-LossValue arctan(double s, double a) {
-  const double w = 1.0 / (1.0 + (s / a) * (s / a));
-  return {a * std::atan(s / a), w, -2.0 * s * w * w / (a * a)};
+LossValue arctan(double s, double b) {
+  const double x = s / b;
+  const double w = 1.0 / (1.0 + x * x);
+  return {b * std::atan(x), w, -2.0 * x * w * w / b};
 }
 
 LossValue tukey(double s, double a) {
@@ -93,10 +94,9 @@ double parse_number(const std::string& field, const std::string& text) {
   return value;
 }
 
-void require_positive(const char* name, double value) {
-  if (!(value > 0.0) || !std::isfinite(value)) {
-    throw OptionsError(std::string(name) + " must be > 0 and finite, got " + format_double(value));
-  }
+// The bound keeps a² and s / a² inside the range of double.
+void require_positive(const char* field, double value) {
+  require_option(value >= 1e-100 && value <= 1e100, field, "> 0 and within [1e-100, 1e100]", value);
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ LossValue Loss::evaluate(double squared_norm) const {
     case LossType::CAUCHY:
       return cauchy(s, a * a);
     case LossType::ARCTAN:
-      return arctan(s, a);
+      return arctan(s, a * a);
     case LossType::TUKEY:
       return tukey(s, a);
     case LossType::GEMAN_MCCLURE:

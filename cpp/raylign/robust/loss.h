@@ -14,7 +14,7 @@ enum class LossType {
   HUBER,          ///< s for s <= a², else 2 a √s − a²
   SOFT_L1,        ///< 2 a² (√(1 + x) − 1)
   CAUCHY,         ///< a² log(1 + x)
-  ARCTAN,         ///< a atan(s / a)   (as Ceres: x = s / a here)
+  ARCTAN,         ///< a² atan(x)   (Ceres' ArctanLoss takes a² as its argument)
   TUKEY,          ///< a²/3 (1 − (1 − x)³) for x <= 1, else a²/3
   GEMAN_MCCLURE,  ///< s / (1 + x)
   STUDENT_T,  ///< ν a² log(1 + x / ν): negative log-likelihood of Student's t, scaled to ρ′(0) = 1
@@ -30,7 +30,8 @@ struct LossValue {
 /// A robust law with its scale. Value type; evaluate() is pure.
 struct Loss {
   LossType type = LossType::TRIVIAL;
-  double scale = 1.0;               ///< a, in units of the residual (px for reprojection); > 0.
+  double scale =
+      1.0;  ///< a, in units of the residual (px for reprojection); > 0, in [1e-100, 1e100].
   double degrees_of_freedom = 5.0;  ///< ν of STUDENT_T; > 0; unused by the others.
 
   LossValue evaluate(double squared_norm) const;

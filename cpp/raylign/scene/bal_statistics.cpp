@@ -8,7 +8,6 @@
 #include <numeric>
 #include <utility>
 
-#include "raylign/base/error.h"
 #include "raylign/camera/bal.h"
 #include "raylign/geometry/so3.h"
 
@@ -135,18 +134,6 @@ Rows<double, 2> reprojection_residuals(const BalProblem& problem) {
     residuals.row(i) = residual.transpose();
   });
   return residuals;
-}
-
-std::string describe_invalid_residual(const BalProblem& problem) {
-  const auto residuals = reprojection_residuals(problem);
-  for (std::int64_t i = 0; i < problem.num_observations(); ++i) {
-    if (std::isfinite(residuals.row(i).squaredNorm())) continue;
-    return "the start is invalid: observation " + std::to_string(i) + " (camera " +
-           std::to_string(problem.camera_index[i]) + ", point " +
-           std::to_string(problem.point_index[i]) +
-           ") has no finite reprojection error; its depth is " + format_double(depths(problem)[i]);
-  }
-  return "";
 }
 
 Rows<double, 1> depths(const BalProblem& problem) {

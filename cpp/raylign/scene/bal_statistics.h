@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "raylign/base/eigen.h"
@@ -15,10 +14,6 @@ namespace raylign {
 /// behind its camera projects through the centre, as in the reference cost. NaN where the camera
 /// cannot project at all (BalCamera::project is false: on the plane P_z = 0, or overflow).
 Rows<double, 2> reprojection_residuals(const BalProblem& problem);
-
-/// Empty when every residual is finite; else a sentence for people: the first observation that has
-/// none, its camera, point and depth.
-std::string describe_invalid_residual(const BalProblem& problem);
 
 /// −P_z of every observation, (N,) scene units: positive in front of the camera, which looks along
 /// −z.

@@ -3,8 +3,6 @@
 #include "raylign/scene/bal_transform.h"
 
 #include <Eigen/LU>
-
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>

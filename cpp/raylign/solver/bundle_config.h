@@ -11,8 +11,10 @@ namespace raylign {
 /// What removes the seven similarity freedoms (rotation, translation, scale) of a reconstruction.
 enum class Gauge {
   FREE,          ///< nothing held; the damping keeps the step finite
-  FIRST_CAMERA,  ///< pose of camera 0 held (6 of 7; scale is left to the damping)
-  TWO_CAMERAS,   ///< camera 0 and one translation coordinate of the camera farthest from it (all 7)
+  FIRST_CAMERA,  ///< pose of the first camera that has observations (6 of 7; scale is left to the
+                 ///< damping); on top of what else is held
+  TWO_CAMERAS,   ///< that pose, and of the camera farthest from it the translation coordinate that
+                 ///< a change of scale moves most (all 7)
 };
 
 enum class ParameterKind { POSE, INTRINSICS, POINT };

@@ -85,7 +85,8 @@ class LmLoop {
     begin_row(0);
     linearize();
     summary_.initial_cost = state_.cost;
-    if (!std::isfinite(state_.cost)) finish(Termination::FAILURE, "the start has no finite cost");
+    if (std::isfinite(state_.cost) && std::isfinite(state_.gradient_max_norm)) return;
+    finish(Termination::FAILURE, "the start has no finite cost or gradient");
   }
 
   void iterate() {

@@ -21,8 +21,8 @@ void LmOptions::validate() const {
   require_option(min_lambda > 0, "LmOptions.min_lambda", "> 0", min_lambda);
   require_option(max_lambda > min_lambda && max_lambda <= 1e300, "LmOptions.max_lambda",
                  "> min_lambda and <= 1e300", max_lambda);
-  require_option(initial_lambda >= min_lambda && initial_lambda <= max_lambda,
-                 "LmOptions.initial_lambda", "> 0 and within [min_lambda, max_lambda]",
+  require_option(initial_lambda >= min_lambda && initial_lambda < max_lambda,
+                 "LmOptions.initial_lambda", "> 0 and within [min_lambda, max_lambda)",
                  initial_lambda);
   require_option(min_relative_decrease >= 0 && min_relative_decrease < 1,
                  "LmOptions.min_relative_decrease", "in [0, 1)", min_relative_decrease);

@@ -21,7 +21,8 @@ std::string format(const char* pattern, ...) {
 }  // namespace
 
 bool Summary::is_usable() const {
-  return termination != Termination::NOT_RUN && termination != Termination::FAILURE;
+  if (termination == Termination::FAILURE) return num_accepted > 0;
+  return termination != Termination::NOT_RUN;
 }
 
 void Summary::count_steps() {
@@ -33,12 +34,14 @@ void Summary::count_steps() {
 }
 
 std::string Summary::brief_report() const {
+  if (!is_usable()) return to_string(termination) + ": " + message;
   return format("%s: cost %.6e -> %.6e, %d accepted and %d rejected steps, %.3f s",
                 to_string(termination).c_str(), initial_cost, final_cost, num_accepted,
                 num_rejected, total_time_s);
 }
 
 std::string Summary::full_report() const {
+  if (!is_usable()) return brief_report() + "\n";
   std::string text;
   text += format("backend            %s (%d thread%s, %s)\n", backend.c_str(), num_threads,
                  num_threads == 1 ? "" : "s",
@@ -72,8 +75,14 @@ Summary nothing_to_adjust(const std::string& backend) {
   summary.termination = Termination::CONVERGENCE;
   summary.backend = backend;
   summary.message = "nothing to adjust: the problem has no observations";
+  summary.linear_solver = LinearSolverType::DENSE_SCHUR;
+  summary.linear_solver_reason = "nothing to solve";
   summary.initial_cost = summary.final_cost = 0.0;
   summary.deterministic = true;
+  IterationSummary row;
+  row.iteration = 0;
+  row.cost = 0.0;
+  summary.iterations.push_back(row);
   return summary;
 }
 

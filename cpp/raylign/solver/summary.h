@@ -13,7 +13,7 @@ namespace raylign {
 
 enum class Termination {
   NOT_RUN,         ///< the solver was not called
-  CONVERGENCE,     ///< a tolerance was met; message says which
+  CONVERGENCE,     ///< a tolerance was met, or λ reached max_lambda; message says which
   MAX_ITERATIONS,  ///< max_num_iterations spent; the state is the best one found
   TIME_LIMIT,      ///< max_solver_time_s spent; the state is the best one found
   USER_STOPPED,    ///< the callback or Ctrl-C stopped it; the state is the best one found
@@ -67,7 +67,8 @@ struct Summary {
   double total_time_s = 0.0;
   std::vector<IterationSummary> iterations;
 
-  /// True when the state is at least as good as the start: everything but NOT_RUN and FAILURE.
+  /// True when the state is at least as good as the start: everything but NOT_RUN and a FAILURE
+  /// before the first accepted step.
   bool is_usable() const;
   /// Sets num_accepted and num_rejected from the iterations.
   void count_steps();

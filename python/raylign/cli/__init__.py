@@ -1,29 +1,29 @@
 """The command line `raylign`: one file per command, each a thin layer over the Python API."""
 
+import signal
 from typing import Annotated
 
 import typer
 
 from raylign import __version__
 from raylign.cli import bundle, convert, demo, download, info, synthetic
-from raylign.cli._errors import ReportingGroup
+from raylign.cli._errors import PlainCommand, ReportingGroup
 
 __all__ = ["app", "main"]
 
 app = typer.Typer(
     name="raylign",
     cls=ReportingGroup,
-    help="Bundle adjustment and direct tracking.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("bundle")(bundle.bundle)
-app.command("convert")(convert.convert)
-app.command("demo")(demo.demo)
-app.command("download")(download.download)
-app.command("info")(info.info)
+app.command("bundle", cls=PlainCommand)(bundle.bundle)
+app.command("convert", cls=PlainCommand)(convert.convert)
+app.command("demo", cls=PlainCommand)(demo.demo)
+app.command("download", cls=PlainCommand)(download.download)
+app.command("info", cls=PlainCommand)(info.info)
 app.add_typer(synthetic.app, name="synthetic")
 
 
@@ -41,9 +41,10 @@ def _common(
     ] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
 ) -> None:
-    """Bundle adjustment and direct tracking."""
+    """Bundle adjustment of BAL problems: solve, convert, generate and download them."""
 
 
 def main() -> None:
-    """Entry point of the `raylign` script."""
+    """Entry point of the `raylign` script; SIGTERM is treated like Ctrl-C."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()

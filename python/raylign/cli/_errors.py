@@ -3,9 +3,9 @@
 from typing import Any
 
 import typer
-from rich.console import Console
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
+from raylign.cli._console import complain
 from raylign.errors import Error, OptionsError
 
 EXIT_FAILURE = 1
@@ -13,7 +13,31 @@ EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 
 
-class ReportingGroup(TyperGroup):
+class PlainCommand(TyperCommand):
+    """A command whose help shows no type for flags and whose usage errors are plain sentences."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """Return the options and arguments, `--help` among them."""
+        return _without_flag_types(super().get_params(ctx))
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line; pydantic's `Value error, ` says nothing to the user."""
+        try:
+            return super().parse_args(ctx, args)
+        except typer.BadParameter as error:
+            error.message = error.message.removeprefix("Value error, ")
+            raise
+
+
+class PlainGroup(TyperGroup):
+    """The same for a command that only holds others."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """Return the options, `--help` among them."""
+        return _without_flag_types(super().get_params(ctx))
+
+
+class ReportingGroup(PlainGroup):
     """Runs a command and turns what it raises into a message and an exit status."""
 
     def invoke(self, ctx: Any) -> Any:
@@ -22,22 +46,26 @@ class ReportingGroup(TyperGroup):
             return super().invoke(ctx)
         except BrokenPipeError:  # `raylign info | head`: typer ends quietly
             raise
-        except KeyboardInterrupt:
-            raise _stop("interrupted", EXIT_INTERRUPTED) from None
+        except KeyboardInterrupt as interrupt:
+            complain(str(interrupt) or "interrupted")
+            raise typer.Exit(EXIT_INTERRUPTED) from None
         except (Error, OSError) as error:
             if ctx.params.get("debug"):
                 raise
+            complain(describe(error))
             status = EXIT_USAGE if isinstance(error, OptionsError) else EXIT_FAILURE
-            raise _stop(_describe(error), status) from error
+            raise typer.Exit(status) from error
 
 
-def _describe(error: Exception) -> str:
+def describe(error: Exception) -> str:
+    """One line that says what went wrong, with the file it happened to."""
     if isinstance(error, OSError) and error.strerror and error.filename:
         return f"{error.filename}: {error.strerror}"
     return str(error) or type(error).__name__
 
 
-def _stop(message: str, status: int) -> typer.Exit:
-    console = Console(stderr=True, soft_wrap=True)
-    console.print(f"error: {message}", style="bold red", markup=False, highlight=False)
-    return typer.Exit(status)
+def _without_flag_types(parameters: Any) -> Any:
+    for parameter in parameters:
+        if getattr(parameter, "is_flag", False) and parameter.metavar is None:
+            parameter.metavar = ""
+    return parameters

@@ -1,6 +1,7 @@
 """The options of `raylign bundle`, and how they become the library's options and config."""
 
-from typing import Annotated
+import enum
+from typing import Annotated, Any
 
 import typer
 
@@ -30,22 +31,49 @@ _DEFAULTS = LmOptions()
 _LINEAR_DEFAULTS = LinearSolverOptions()
 
 
-def _option(panel: str, *names: str, help: str) -> object:
-    return typer.Option(*names, help=help, rich_help_panel=panel)
+def _option(panel: str, *names: str, help: str, metavar: str | None = None) -> object:
+    return typer.Option(*names, help=help, rich_help_panel=panel, metavar=metavar)
+
+
+def choice_option(kind: type[enum.Enum], *names: str, help: str, panel: str | None = None) -> Any:
+    """An option for an enumerator in either case; the help text, which may wrap, lists them all."""
+    listed = ", ".join(str(member.value) for member in kind)
+    return typer.Option(
+        *names,
+        help=f"{help}: {listed}.",
+        metavar="<name>",
+        case_sensitive=False,
+        rich_help_panel=panel,
+    )
 
 
 LossOpt = Annotated[
     str, _option(_SOLVER, "--loss", help="type[:scale px[:dof]], e.g. huber:1.0, student_t:1:5.")
 ]
-BackendOpt = Annotated[choices.Backend, _option(_SOLVER, "--backend", help="Engine.")]
-PoseOpt = Annotated[choices.Pose, _option(_SOLVER, "--pose", help="How a camera pose moves.")]
-PointOpt = Annotated[choices.Point, _option(_SOLVER, "--point", help="How a point moves.")]
+BackendOpt = Annotated[
+    choices.Backend, choice_option(choices.Backend, "--backend", help="Engine", panel=_SOLVER)
+]
+PoseOpt = Annotated[
+    choices.Pose,
+    choice_option(choices.Pose, "--pose", help="How a camera pose moves", panel=_SOLVER),
+]
+PointOpt = Annotated[
+    choices.Point, choice_option(choices.Point, "--point", help="How a point moves", panel=_SOLVER)
+]
 LinearSolverOpt = Annotated[
     choices.LinearSolver,
-    _option(_SOLVER, "--linear-solver", help="How the normal equations are solved."),
+    choice_option(
+        choices.LinearSolver,
+        "--linear-solver",
+        help="How the normal equations are solved",
+        panel=_SOLVER,
+    ),
 ]
 PreconditionerOpt = Annotated[
-    choices.Precondition, _option(_SOLVER, "--preconditioner", help="Of iterative_schur.")
+    choices.Precondition,
+    choice_option(
+        choices.Precondition, "--preconditioner", help="Of iterative_schur", panel=_SOLVER
+    ),
 ]
 ExplicitSchurOpt = Annotated[
     bool, _option(_SOLVER, "--explicit-schur", help="Form S in iterative_schur with schur_jacobi.")
@@ -60,18 +88,36 @@ ForcingOpt = Annotated[
 NumThreadsOpt = Annotated[int, _option(_SOLVER, "--num-threads", help="Threads.")]
 
 GaugeOpt = Annotated[
-    choices.GaugeChoice, _option(_FIXED, "--gauge", help="What removes the similarity freedom.")
+    choices.GaugeChoice,
+    choice_option(
+        choices.GaugeChoice, "--gauge", help="What removes the similarity freedom", panel=_FIXED
+    ),
 ]
 FixIntrinsicsOpt = Annotated[
     bool, _option(_FIXED, "--fix-intrinsics", help="Hold f, k1, k2 of every camera.")
 ]
 ConstantCamerasOpt = Annotated[
-    str, _option(_FIXED, "--constant-cameras", help="Poses to hold: e.g. 0,3,10-20 or all.")
+    str | None,
+    _option(
+        _FIXED,
+        "--constant-cameras",
+        help="Cameras whose pose is held (f, k1, k2 still move): e.g. 0,3,10-20 or all.",
+        metavar="<list>",
+    ),
 ]
 ConstantIntrinsicsOpt = Annotated[
-    str, _option(_FIXED, "--constant-intrinsics", help="Cameras whose f, k1, k2 are held.")
+    str | None,
+    _option(
+        _FIXED,
+        "--constant-intrinsics",
+        help="Cameras whose f, k1, k2 are held.",
+        metavar="<list>",
+    ),
 ]
-ConstantPointsOpt = Annotated[str, _option(_FIXED, "--constant-points", help="Points to hold.")]
+ConstantPointsOpt = Annotated[
+    str | None,
+    _option(_FIXED, "--constant-points", help="Points to hold.", metavar="<list>"),
+]
 ConstantCoordinateOpt = Annotated[
     list[str] | None,
     _option(
@@ -96,6 +142,16 @@ ParameterToleranceOpt = Annotated[
 ]
 InitialLambdaOpt = Annotated[
     float, _option(_LM, "--initial-lambda", help="Damping of the first step.")
+]
+
+DuplicatesOpt = Annotated[
+    choices.Duplicates,
+    choice_option(
+        choices.Duplicates, "--duplicates", help="When a camera observes a point twice, in any file"
+    ),
+]
+LogOpt = Annotated[
+    choices.LogStyle, choice_option(choices.LogStyle, "--log", help="How iterations are printed")
 ]
 
 
@@ -141,28 +197,30 @@ def bundle_config(
     gauge: choices.GaugeChoice,
     num_cameras: int,
     num_points: int,
-    cameras: str,
-    intrinsics: str,
-    points: str,
+    cameras: str | None,
+    intrinsics: str | None,
+    points: str | None,
     coordinates: list[str],
 ) -> BundleConfig:
     """Build the config from index lists like `0,3,10-20` or `all`."""
     return BundleConfig(
         gauge=choices.library_value(Gauge, gauge),
-        constant_cameras=parse_indices(cameras, num_cameras),
-        constant_intrinsics=parse_indices(intrinsics, num_cameras),
-        constant_points=parse_indices(points, num_points),
-        constant_coordinates=[_constant_coordinate(text) for text in coordinates],
+        constant_cameras=parse_indices("--constant-cameras", cameras, num_cameras),
+        constant_intrinsics=parse_indices("--constant-intrinsics", intrinsics, num_cameras),
+        constant_points=parse_indices("--constant-points", points, num_points),
+        constant_coordinates=[
+            _constant_coordinate(text, num_cameras, num_points) for text in coordinates
+        ],
     )
 
 
-def parse_indices(text: str, count: int) -> list[int]:
-    """Read `""`, `all`, `7` or `0,3,10-20` (ends included) as a sorted list in [0, count).
+def parse_indices(option: str, text: str | None, count: int) -> list[int]:
+    """Read `all`, `7` or `0,3,10-20` (ends included) as a sorted list in [0, count); None: empty.
 
     Raises:
-        OptionsError: not such a list, or an index outside.
+        OptionsError: not such a list, or an index outside; the message names `option`.
     """
-    if not text:
+    if text is None:
         return []
     if text == "all":
         return list(range(count))
@@ -170,25 +228,29 @@ def parse_indices(text: str, count: int) -> list[int]:
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
         if not first.isdecimal() or (dash and not last.isdecimal()):
-            raise OptionsError(f"'{text}' is no list of indices like 0,3,10-20 or all")
+            raise OptionsError(f"{option}: '{text}' is no list of indices like 0,3,10-20 or all")
         low, high = int(first), int(last) if dash else int(first)
         if low > high or high >= count:
-            raise OptionsError(f"indices {part.strip()} of '{text}' are not in 0..{count - 1}")
+            raise OptionsError(f"{option}: {part.strip()} in '{text}' is not in 0..{count - 1}")
         chosen.update(range(low, high + 1))
     return sorted(chosen)
 
 
-def _constant_coordinate(text: str) -> ConstantCoordinate:
+def _constant_coordinate(text: str, num_cameras: int, num_points: int) -> ConstantCoordinate:
     kind, _, rest = text.partition(":")
     index, _, coordinate = rest.partition(":")
     kinds = {member.name.lower(): member for member in ParameterKind}
-    if kind not in kinds or not coordinate or not (index == "all" or index.isdecimal()):
+    if kind.lower() not in kinds or not coordinate or not (index == "all" or index.isdecimal()):
         raise OptionsError(
-            f"'{text}' is not kind:index:coordinate, e.g. intrinsics:all:k2; "
-            f"kinds: {', '.join(kinds)}"
+            f"--constant-coordinate: '{text}' is not kind:index:coordinate, "
+            f"e.g. intrinsics:all:k2; kinds: {', '.join(kinds)}"
         )
+    chosen = kinds[kind.lower()]
+    count = num_points if chosen is ParameterKind.POINT else num_cameras
+    if index != "all" and int(index) >= count:
+        raise OptionsError(f"--constant-coordinate: {index} in '{text}' is not in 0..{count - 1}")
     return ConstantCoordinate(
-        kind=kinds[kind],
+        kind=chosen,
         index=-1 if index == "all" else int(index),  # -1: every camera or point
         coordinate=coordinate,
     )

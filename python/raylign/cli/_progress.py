@@ -38,9 +38,15 @@ def table_header() -> str:
 
 
 def table_row(row: Any) -> str:
-    """One iteration, aligned with `table_header()`; rejected steps end in `x`."""
+    """One iteration, aligned with `table_header()`; ends in `x` when rejected, `!` when invalid."""
     text = "".join(f"{getattr(row, field):>{width}{form}}" for _, width, form, field in _COLUMNS)
-    return text if row.step_is_accepted or row.iteration == 0 else text + " x"
+    return text + _mark(row)
+
+
+def _mark(row: Any) -> str:
+    if row.step_is_accepted or row.iteration == 0:
+        return ""
+    return " x" if row.step_is_valid else " !"
 
 
 def g2o_line(row: Any) -> str:
@@ -89,8 +95,7 @@ class SolveDisplay:
         if self._log is LogStyle.G2O:
             say(self._console, g2o_line(row))
         else:
-            rejected = not row.step_is_accepted and row.iteration > 0
-            say(self._console, table_row(row), style="red" if rejected else None)
+            say(self._console, table_row(row), style="red" if _mark(row) else None)
         if self._progress is not None:
             self._progress.update(self._task, completed=row.iteration)
 

@@ -13,6 +13,7 @@ from raylign.bundle import BundleConfig, BundleOptions, Termination
 from raylign.cli._console import make_console, say
 from raylign.cli._errors import EXIT_INTERRUPTED
 from raylign.cli._files import check_report_target
+from raylign.cli._options import choice_option
 from raylign.cli.bundle import describe, solve
 from raylign.errors import Error
 from raylign.evaluate import camera_center_errors
@@ -36,7 +37,9 @@ def demo(
     output: Annotated[
         Path, typer.Option("--output", "-o", "--report", help="Folder for the report.")
     ] = Path("raylign-demo"),
-    scene: Annotated[Scene, typer.Option(help="Which of the shipped scenes.")] = Scene.ORBIT,
+    scene: Annotated[
+        Scene, choice_option(Scene, "--scene", help="Which of the shipped scenes")
+    ] = Scene.ORBIT,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Solve a synthetic scene that comes with raylign and draw what happened."""
@@ -65,7 +68,7 @@ def demo(
             extra={"truth": {"camera_center_rmse": {"before": errors[0], "after": errors[1]}}},
         )
     console.print()
-    console.print(_table([before, result.problem, truth], [*errors, 0.0]))
+    console.print(_table([before, result.problem, truth], [*errors, 0.0], options.loss))
     say(console, f"\npictures: {output / 'index.html'}")
     if result.summary.termination is Termination.USER_STOPPED:
         raise typer.Exit(EXIT_INTERRUPTED)
@@ -75,14 +78,18 @@ def _center_rmse(problem: BalProblem, truth: BalProblem) -> float:
     return float(np.sqrt(np.mean(camera_center_errors(problem, truth) ** 2)))
 
 
-def _table(problems: list[BalProblem], center_errors: list[float]) -> Table:
+def _robust_cost(problem: BalProblem, loss: Loss) -> float:
+    rho, _, _ = loss.evaluate(np.sum(problem.residuals() ** 2, axis=1))
+    return 0.5 * float(np.sum(rho))
+
+
+def _table(problems: list[BalProblem], center_errors: list[float], loss: Loss) -> Table:
     statistics = [problem.statistics() for problem in problems]
     table = Table("", box=None, header_style="bold", pad_edge=False)
     for heading in ("before", "after", "truth"):
         table.add_column(heading, justify="right")
     rows = {
-        "cost ½ Σ ‖r‖² [px²]": [entry.cost for entry in statistics],
-        "RMSE [px per coordinate]": [entry.rmse for entry in statistics],
+        "cost ½ Σ ρ(‖r‖²) [px²]": [_robust_cost(problem, loss) for problem in problems],
         "median ‖r‖ [px]": [entry.median_error for entry in statistics],
         "camera centres off by [m], RMS": center_errors,
     }

@@ -9,10 +9,12 @@ import typer
 
 from raylign import synthetic
 from raylign.cli._console import make_console, say
-from raylign.cli._files import BAL_SUFFIXES, check_problem_target
+from raylign.cli._errors import PlainCommand, PlainGroup
+from raylign.cli._files import BAL_SUFFIXES, check_distinct, check_problem_target, write_problem
+from raylign.cli._options import choice_option
 from raylign.cli._progress import count_progress
 
-app = typer.Typer(help="Make scenes with a known truth.", no_args_is_help=True)
+app = typer.Typer(cls=PlainGroup, help="Make scenes with a known truth.", no_args_is_help=True)
 
 
 @app.callback()
@@ -24,20 +26,26 @@ def bal(*, output: Path, truth: Path | None, quiet: bool, **fields: Any) -> None
     """Write a synthetic BAL problem, streaming: millions of observations in bounded memory.
 
     The file holds the perturbed start, `--truth` the same scene with the exact cameras and points.
+    `.npz` keeps the colours too, but is made in memory.
     """
-    for path in (output, truth):
-        if path is not None:
-            check_problem_target(path, BAL_SUFFIXES)
+    check_distinct(None, [output, truth])
+    paths = [path for path in (output, truth) if path is not None]
+    for path in paths:
+        check_problem_target(path, (*BAL_SUFFIXES, ".npz"))
     defaults = synthetic.BalOptions()
     options = synthetic.BalOptions(
         **{name: _library_value(value, getattr(defaults, name)) for name, value in fields.items()}
     )
     console = make_console(quiet=quiet)
-    with count_progress(console, "writing") as progress:
-        synthetic.write_bal(output, options=options, truth_path=truth, progress=progress)
-    for path in (output, truth):
-        if path is not None:
-            say(console, f"wrote {path}")
+    if all(path.name.lower().endswith(BAL_SUFFIXES) for path in paths):
+        with count_progress(console, "writing") as progress:
+            synthetic.write_bal(output, options=options, truth_path=truth, progress=progress)
+    else:
+        scene = synthetic.bal(options)
+        for path, problem in zip(paths, (scene.problem, scene.truth), strict=False):
+            write_problem(problem, path)
+    for path in paths:
+        say(console, f"wrote {path}")
 
 
 def _library_value(value: Any, default: Any) -> Any:
@@ -61,9 +69,11 @@ def _signature() -> inspect.Signature:
         if isinstance(default, enum.Enum):
             annotation = _lower_case(annotation)
             default = annotation[default.name]
-        option = typer.Option(
-            "--" + name.replace("_", "-"), help=getattr(synthetic.BalOptions, name).__doc__
-        )
+        flag, text = "--" + name.replace("_", "-"), getattr(synthetic.BalOptions, name).__doc__
+        if isinstance(default, enum.Enum):
+            option = choice_option(annotation, flag, help=text.rstrip("."))
+        else:
+            option = typer.Option(flag, help=text)
         parameters.append(_keyword(name, Annotated[annotation, option], default))
     quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
     parameters.append(_keyword("quiet", quiet, False))
@@ -83,4 +93,4 @@ def _keyword(
 
 
 bal.__signature__ = _signature()  # type: ignore[attr-defined]
-app.command("bal")(bal)
+app.command("bal", cls=PlainCommand)(bal)

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 
 from raylign._typing import PathLike
 from raylign.datasets.registry import BalEntry, find_bal
-from raylign.errors import Error, FormatError
+from raylign.errors import Error, FormatError, OptionsError
 
 Progress = Callable[[int, int], None]  # bytes received, bytes expected (0: not known)
 
@@ -48,7 +48,7 @@ def fetch(
         Path of the text file.
 
     Raises:
-        OptionsError: unknown name.
+        OptionsError: unknown name, or `mirror` is not http:// or https://.
         DownloadError: no connection, HTTP error, truncated or wrong content.
         OSError: the directory is missing or cannot be written.
 
@@ -79,7 +79,7 @@ def mirrored(url: str, mirror: str | None) -> str:
     if mirror is None:
         return url
     if urlsplit(mirror).scheme not in ("http", "https"):
-        raise DownloadError(f"the mirror must begin with http:// or https://, got '{mirror}'")
+        raise OptionsError(f"the mirror must begin with http:// or https://, got '{mirror}'")
     return mirror.rstrip("/") + urlsplit(url).path
 
 
@@ -194,6 +194,19 @@ def _retrieve(url: str, folder: Path, progress: Progress | None) -> Path:
         raise DownloadError(f"{url}: the server answered {answer}") from error
     except requests.exceptions.ChunkedEncodingError as error:
         raise DownloadError(f"{url}: the connection ended before the whole file arrived") from error
+    except (requests.ConnectionError, requests.Timeout) as error:
+        host = urlsplit(url).netloc
+        raise DownloadError(f"could not reach {host}: {_root_cause(error)}") from error
     except (requests.RequestException, ValueError) as error:
         raise DownloadError(f"{url}: {error}") from error
     return Path(path)
+
+
+def _root_cause(error: BaseException) -> str:
+    """What the operating system said, from under the layers of requests and urllib3."""
+    reason, cause = type(error).__name__, error.__context__
+    while cause is not None:
+        if isinstance(cause, OSError) and cause.strerror:
+            reason = cause.strerror
+        cause = cause.__cause__ or cause.__context__
+    return "it did not answer in time" if "Timeout" in reason else reason

@@ -1,13 +1,21 @@
 """Bundle Adjustment in the Large text files: `.txt`, `.txt.gz`, `.txt.bz2` and file objects."""
 
-from typing import BinaryIO, Literal
+from pathlib import Path
+from typing import BinaryIO
 
 from raylign import _core
 from raylign._typing import PathLike
-from raylign.io._streams import path_or_stream, read_all, stream_name
+from raylign.errors import FormatError
+from raylign.io._streams import format_error, path_or_stream, read_all, stream_name
+from raylign.io.duplicates import Duplicates
 from raylign.scene import BalProblem
 
-Duplicates = Literal["error", "first", "mean", "keep"]
+# What other files begin with, and what to tell whoever takes them for BAL text.
+_FOREIGN = (
+    (b"PK\x03\x04", "is an npz (zip) archive; read it with read_npz"),
+    (b"ply\n", "is a PLY file, which raylign writes but does not read"),
+    (b"ply\r", "is a PLY file, which raylign writes but does not read"),
+)
 
 
 def read_bal(source: PathLike | BinaryIO, *, duplicates: Duplicates = "error") -> BalProblem:
@@ -43,9 +51,30 @@ def read_bal(source: PathLike | BinaryIO, *, duplicates: Duplicates = "error") -
     """
     resolved = path_or_stream(source)
     if isinstance(resolved, str):
-        return _core.read_bal(resolved, duplicates=duplicates)
-    name = stream_name(resolved)
-    return _core.parse_bal(read_all(resolved), name=name, duplicates=duplicates)
+        try:
+            return _core.read_bal(resolved, duplicates=duplicates)
+        except FormatError:
+            _refuse_foreign(_first_bytes(resolved), resolved)
+            raise
+    name, text = stream_name(resolved), read_all(resolved)
+    _refuse_foreign(text[:4], name)
+    return _core.parse_bal(text, name=name, duplicates=duplicates)
+
+
+def _first_bytes(path: str) -> bytes:
+    if not Path(path).is_file():  # a pipe has been read already
+        return b""
+    try:
+        with Path(path).open("rb") as stream:
+            return stream.read(4)
+    except OSError:
+        return b""
+
+
+def _refuse_foreign(start: bytes, name: str) -> None:
+    for magic, reason in _FOREIGN:
+        if start.startswith(magic):
+            raise format_error(name, "", reason) from None
 
 
 def write_bal(problem: BalProblem, target: PathLike | BinaryIO) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from raylign._typing import AnyArray, PathLike
 from raylign.errors import FormatError, ShapeError
 from raylign.io._streams import format_error, path_or_stream, stream_name
+from raylign.io.duplicates import Duplicates, resolve_duplicates
 from raylign.scene import BalProblem
 
 FORMAT_NAME = "raylign.BalProblem"
@@ -71,19 +72,21 @@ def write_npz(problem: BalProblem, target: PathLike | BinaryIO) -> None:
         raise format_error(resolved, "", reason) from error
 
 
-def read_npz(source: PathLike | BinaryIO) -> BalProblem:
+def read_npz(source: PathLike | BinaryIO, *, duplicates: Duplicates = "error") -> BalProblem:
     """Read a problem written by `write_npz`.
 
     Args:
         source: path, or binary file object that can seek.
+        duplicates: what to do when a camera sees a point twice, as in `read_bal`.
 
     Returns:
-        BalProblem: equal to the one that was written, bit for bit.
+        BalProblem: equal to the one that was written, bit for bit, but for duplicates.
 
     Raises:
         FormatError: the source is missing, no zip archive, damaged, of another format or version;
             or an array is missing, has the wrong dtype, shape or memory order, holds Python objects
-            (never unpickled) or indices out of range.
+            (never unpickled) or indices out of range; or a camera sees a point twice.
+        OptionsError: `duplicates` is none of the four.
         TypeError: `source` is neither a path nor a binary file object.
     """
     resolved = path_or_stream(source)
@@ -104,9 +107,10 @@ def read_npz(source: PathLike | BinaryIO) -> BalProblem:
     except _DAMAGED as error:
         raise format_error(name, "", f"is not a readable .npz archive: {error}") from error
     try:
-        return BalProblem(**arrays)
+        problem = BalProblem(**arrays)
     except ShapeError as error:
         raise format_error(name, "", str(error)) from error
+    return resolve_duplicates(problem, duplicates=duplicates, name=name)
 
 
 def _save(problem: BalProblem, stream: BinaryIO | IO[bytes]) -> None:

@@ -1,5 +1,6 @@
 """Cameras and points seen from above and from the side."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ _CAMERA_PERCENTILES = (1.0, 99.0)
 _MARGIN = 0.04  # of the range, on each side
 _REACH = 0.15  # of the percentile range: what may lie beyond it and still be shown
 _DIRECTION_LENGTH = 0.035  # of the view's longer side
+_MAX_CAMERAS = 1500  # drawn; of more, every n-th
 _SPARSE_CAMERAS = 60  # with more, viewing directions are drawn shorter
 
 
@@ -63,7 +65,11 @@ def plot_point_cloud(
 
     Returns:
         Figure with one row per view and one column per problem.
+
+    Raises:
+        ShapeError: a problem has no camera or no point.
     """
+    style.require_content("plot_point_cloud", before, *([] if after is None else [after]))
     problems = [before] if after is None else [before, after]
     frame = _scene_frame(problems[-1])
     origin = np.median(problems[-1].camera_centers(), axis=0)
@@ -190,10 +196,12 @@ def _draw(axes: Axes, scene: _Scene, view: _View, chosen: np.ndarray, colors: np
         rasterized=True,
     )
     columns = [horizontal, vertical]
-    centers = scene.centers[:, columns]
+    # Thousands of cameras would be one black blot: every n-th is drawn, the same in every panel.
+    step = math.ceil(len(scene.centers) / _MAX_CAMERAS)
+    centers = scene.centers[::step, columns]
     crowd = min(1.0, (_SPARSE_CAMERAS / max(1, len(centers))) ** 0.5)
     length = _DIRECTION_LENGTH * crowd * float((view.high - view.low).max())
-    tips = centers + length * scene.directions[:, columns]
+    tips = centers + length * scene.directions[::step, columns]
     thin = 0.9 if len(centers) <= 300 else 0.4
     axes.add_collection(
         LineCollection(
@@ -201,7 +209,9 @@ def _draw(axes: Axes, scene: _Scene, view: _View, chosen: np.ndarray, colors: np
         )
     )
     dot = 9.0 if len(centers) <= 300 else 3.0
-    axes.scatter(centers[:, 0], centers[:, 1], s=dot, c=style.CAMERA, linewidths=0, label="camera")
+    axes.scatter(centers[:, 0], centers[:, 1], s=dot, c=style.CAMERA, linewidths=0)
+    every = "camera" if step == 1 else f"camera (1 of {step} drawn)"
+    axes.plot([], [], ".", color=style.CAMERA, markersize=5, label=every)
     axes.plot([], [], color=style.BEFORE, linewidth=0.9, label="viewing direction")
     axes.plot([], [], ".", color=style.AFTER, markersize=4, label="point")
     axes.set_xlim(view.low[0], view.high[0])

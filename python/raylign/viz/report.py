@@ -10,7 +10,8 @@ from raylign._build_info import build_info
 from raylign._json import jsonable
 from raylign._typing import PathLike
 from raylign.bundle import BundleConfig, BundleOptions, Summary
-from raylign.scene import BalProblem
+from raylign.robust import LossType
+from raylign.scene import BalProblem, ProblemStatistics
 from raylign.viz import style
 from raylign.viz.cost import plot_cost
 from raylign.viz.point_cloud import plot_point_cloud
@@ -35,12 +36,14 @@ _PICTURES = (
     _Picture(
         "cost.png",
         "Cost",
-        "Cost of the held state against wall time and iterations; gradient, step and damping.",
+        "Cost of the held state against wall time and iterations, with rejected and invalid steps; "
+        "gradient, step and damping.",
     ),
     _Picture(
         "residuals.png",
         "Residuals",
-        "Norms of all residuals and RMSE of each camera, before and after.",
+        "Norms of all residuals and RMSE of each camera, before and after; with a robust loss also "
+        "the median of each camera, which outliers do not move.",
     ),
     _Picture(
         "sparsity.png",
@@ -82,10 +85,12 @@ def bundle_report(
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
+    statistics = (before.statistics(), after.statistics())
+    robust = options is not None and options.loss.type is not LossType.TRIVIAL
     figures = (
         plot_point_cloud(before, after),
         plot_cost(summary, subtitle=style.size_text(before)),
-        plot_residuals(before, after),
+        plot_residuals(before, after, median=robust),
         plot_sparsity(after),
     )
     written = [
@@ -94,14 +99,15 @@ def bundle_report(
     ]
     record = {
         "title": title,
+        "units": _UNITS,
         "summary": summary,
         "options": options,
         "config": config,
-        "problem": {"before": before.statistics(), "after": after.statistics()},
+        "problem": dict(zip(("before", "after"), statistics, strict=True)),
         **(extra or {}),
         "build": build_info(),
     }
-    rows = _headline(before, after, summary)
+    rows = _headline(before, after, summary, statistics)
     pages = {
         "summary.json": json.dumps(jsonable(record), indent=2, allow_nan=False) + "\n",
         "index.html": _html_page(title, rows),
@@ -113,13 +119,33 @@ def bundle_report(
     return written
 
 
-def _headline(before: BalProblem, after: BalProblem, summary: Summary) -> list[tuple[str, str]]:
-    rmse = [problem.statistics().rmse for problem in (before, after)]
+_UNITS = {
+    "summary.*cost*": "px^2: half the sum of rho(||r||^2), the robust cost that was minimised",
+    "problem.*.cost": "px^2: half the sum of ||r||^2, plain squares whatever the loss",
+    "problem.*.rmse": "px per coordinate, plain squares",
+    "problem.*.median_error, max_error": "px, norm ||r||",
+    "*_time_s": "s",
+}
+
+
+def _headline(
+    before: BalProblem,
+    after: BalProblem,
+    summary: Summary,
+    statistics: tuple[ProblemStatistics, ProblemStatistics],
+) -> list[tuple[str, str]]:
+    old, new = statistics
     return [
         ("problem", style.size_text(before)),
         ("termination", f"{summary.termination.name.lower()}: {summary.message}"),
-        ("cost ½ Σ ρ", f"{summary.initial_cost:.8g} → {summary.final_cost:.8g} px²"),
-        ("RMSE", f"{rmse[0]:.4g} → {rmse[1]:.4g} px per coordinate"),
+        ("cost ½ Σ ρ(‖r‖²)", f"{summary.initial_cost:.8g} → {summary.final_cost:.8g} px²"),
+        ("RMSE", f"{old.rmse:.4g} → {new.rmse:.4g} px per coordinate"),
+        ("median ‖r‖", f"{old.median_error:.4g} → {new.median_error:.4g} px"),
+        (
+            "points behind their camera",
+            f"{old.num_behind_camera} → {new.num_behind_camera} of {after.num_observations} "
+            "observations",
+        ),
         ("steps", f"{summary.num_accepted} accepted, {summary.num_rejected} rejected"),
         (
             "linear solver",

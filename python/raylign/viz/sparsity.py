@@ -49,7 +49,11 @@ def plot_sparsity(problem: BalProblem) -> Figure:
 
     Returns:
         Figure with three panels.
+
+    Raises:
+        ShapeError: the problem has no camera or no point.
     """
+    style.require_content("plot_sparsity", problem)
     part = _excerpt(problem)
     figure = style.new_figure(14.5, 5.9, "Sparsity", style.size_text(problem))
     jacobian, hessian, reduced = figure.subplots(1, 3, width_ratios=[0.8, 1.05, 1.25])

@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from raylign._typing import F64
+from raylign.errors import ShapeError
+from raylign.scene import BalProblem
 
 BEFORE = "#c8553d"  # red clay
 AFTER = "#1f7a8c"  # teal
@@ -60,6 +62,16 @@ class _Sized(Protocol):
     def num_observations(self) -> int: ...
 
 
+def require_content(function: str, *problems: BalProblem) -> None:
+    """Raise ShapeError for a problem that has no camera or no point: there is nothing to draw."""
+    for problem in problems:
+        if problem.num_cameras == 0 or problem.num_points == 0:
+            raise ShapeError(
+                f"{function}: nothing to draw, the problem has {problem.num_cameras} cameras and "
+                f"{problem.num_points} points"
+            )
+
+
 def styled(function: Callable[P, R]) -> Callable[P, R]:
     """Run a plot function under the house style; the caller's settings stay untouched."""
 
@@ -87,15 +99,19 @@ def legend_below(figure: Figure, axes: Axes) -> None:
 
 
 def log_axis(axes: Axes, values: F64) -> None:
-    """Logarithmic y axis whose labels stay readable when the data spans less than a decade."""
+    """Logarithmic y axis with labels at decades, or also at 2 and 5 where it spans less than two.
+
+    `values`: everything drawn in the axes.
+    """
     positive = values[np.isfinite(values) & (values > 0)]
     if len(positive) == 0:
         return
     axes.set_yscale("log")
-    if positive.max() / positive.min() < 30:
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+    narrow = positive.max() / positive.min() < 100
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if narrow else (1.0,)))
+    if narrow:
         axes.yaxis.set_major_formatter(FuncFormatter(plain_number))
-        axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def plain_number(value: float, _position: int | None = None) -> str:

@@ -39,14 +39,21 @@ void project(const T* intrinsics, const T* p_c, const Vector2& observed, T* resi
   residual[1] -= observed[1];
 }
 
+// Homogeneous points are tested in a frame that is neither centred nor of unit scale.
+const HomogeneousFrame kFrame{Vector3(1.0, -2.0, 0.5), 3.0};
+
 template <int PoseSize, int PointSize>
 struct ReprojectionFunctor {
   Vector2 observed;
   template <typename T>
   bool operator()(const T* pose, const T* intrinsics, const T* point, T* residual) const {
     const T w = PointSize == 4 ? point[PointSize - 1] : T(1.0);
+    T x_bar[3];
+    for (int k = 0; k < 3; ++k) {
+      x_bar[k] = PointSize == 4 ? kFrame.scale * point[k] + kFrame.center[k] * w : point[k];
+    }
     T p_c[3];
-    transform<PoseSize>(pose, point, w, p_c);
+    transform<PoseSize>(pose, x_bar, w, p_c);
     project(intrinsics, p_c, observed, residual);
     return true;
   }
@@ -183,11 +190,11 @@ TYPED_TEST(CostFunctions, HomogeneousJacobiansEqualAutodiff) {
   using Functor = ReprojectionFunctor<TypeParam::kSize, 4>;
   for (int i = 0; i < kNumStates; ++i) {
     const State s = random_state(i);
-    Vector4 x = world_point(s).homogeneous();
+    Vector4 x = Vector3((world_point(s) - kFrame.center) / kFrame.scale).homogeneous();
     if (i % 7 == 0) x = -x;                                          // w < 0
     if (i % 7 == 1) x << so3_exp(s.omega).transpose() * s.p_c, 0.0;  // at infinity
     x.normalize();
-    const ReprojectionCost<TypeParam, HomogeneousPoint> ours(s.observed);
+    const ReprojectionCost<TypeParam, HomogeneousPoint> ours(s.observed, HomogeneousPoint(kFrame));
     const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 4> autodiff(
         new Functor{s.observed});
     expect_equal(ours, autodiff,

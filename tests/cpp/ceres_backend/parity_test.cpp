@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "raylign/base/error.h"
 #include "raylign/bundle/bundle_adjuster.h"
@@ -54,6 +55,54 @@ TEST(Parity, SchurSolversAgreeOnTheFirstStep) {
   }
   EXPECT_NEAR(costs[1], costs[0], 1e-10 * costs[0]);
   EXPECT_NEAR(costs[2], costs[0], 1e-10 * costs[0]);
+}
+
+// Every field, with values that are nobody's default: a forgotten line shows.
+TEST(ToCeres, CarriesEveryOption) {
+  BundleOptions options;
+  LmOptions& lm = options.lm;
+  lm.max_num_iterations = 7;
+  lm.max_solver_time_s = 12.5;
+  lm.function_tolerance = 1e-3;
+  lm.gradient_tolerance = 1e-4;
+  lm.parameter_tolerance = 1e-5;
+  lm.initial_lambda = 0.25;
+  lm.min_lambda = 0.125;
+  lm.max_lambda = 64.0;
+  lm.min_relative_decrease = 0.01;
+  lm.min_diagonal = 1e-7;
+  lm.max_diagonal = 1e7;
+  lm.max_num_consecutive_invalid_steps = 9;
+  lm.jacobi_scaling = false;
+  lm.num_threads = 1;
+  options.linear_solver.type = LinearSolverType::ITERATIVE_SCHUR;
+  options.linear_solver.preconditioner = Preconditioner::CLUSTER_JACOBI;
+  options.linear_solver.explicit_schur = true;
+  options.linear_solver.max_num_iterations = 77;
+  options.linear_solver.forcing_tolerance = 0.03;
+  const ceres::Solver::Options out = ceres_backend::to_ceres(options);
+  EXPECT_EQ(out.max_num_iterations, 7);
+  EXPECT_EQ(out.max_solver_time_in_seconds, 12.5);
+  EXPECT_EQ(out.function_tolerance, 1e-3);
+  EXPECT_EQ(out.gradient_tolerance, 1e-4);
+  EXPECT_EQ(out.parameter_tolerance, 1e-5);
+  EXPECT_EQ(out.initial_trust_region_radius, 4.0);
+  EXPECT_EQ(out.max_trust_region_radius, 8.0);
+  EXPECT_EQ(out.min_trust_region_radius, 1.0 / 64.0);
+  EXPECT_EQ(out.min_relative_decrease, 0.01);
+  EXPECT_EQ(out.min_lm_diagonal, 1e-7);
+  EXPECT_EQ(out.max_lm_diagonal, 1e7);
+  EXPECT_EQ(out.max_num_consecutive_invalid_steps, 9);
+  EXPECT_FALSE(out.jacobi_scaling);
+  EXPECT_EQ(out.num_threads, 1);
+  EXPECT_EQ(out.linear_solver_type, ceres::ITERATIVE_SCHUR);
+  EXPECT_EQ(out.preconditioner_type, ceres::CLUSTER_JACOBI);
+  EXPECT_TRUE(out.use_explicit_schur_complement);
+  EXPECT_EQ(out.max_linear_solver_iterations, 77);
+  EXPECT_EQ(out.eta, 0.03);
+  std::string error;
+  options = BundleOptions{};
+  EXPECT_TRUE(ceres_backend::to_ceres(options).IsValid(&error)) << error;
 }
 
 TEST(Adjust, LeavesTheProblemAloneWhenItFails) {

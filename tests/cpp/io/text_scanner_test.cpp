@@ -51,6 +51,13 @@ TEST(TextScanner, WhatIsNoReal) {
   for (const char* text : {"1e999", "-1e999", "123456e400"}) {
     EXPECT_EQ(real(text).first, TokenStatus::OUT_OF_RANGE) << text;
   }
+  // The written exponent alone says nothing about the size.
+  const std::string zeros(400, '0');
+  EXPECT_EQ(real("1" + zeros + "e-10").first, TokenStatus::OUT_OF_RANGE);  // 1e390
+  EXPECT_EQ(real("0." + zeros + "1e+5").second, 0.0);                      // 1e-396
+  EXPECT_EQ(real("0." + zeros + "1e+5").first, TokenStatus::OK);
+  EXPECT_EQ(real("1e99999999999999999999").first, TokenStatus::OUT_OF_RANGE);
+  EXPECT_EQ(real("1e-99999999999999999999").second, 0.0);
   for (const char* text : {"nan", "-NaN", "inf", "+inf", "INFINITY"}) {
     EXPECT_EQ(real(text).first, TokenStatus::NOT_FINITE) << text;
   }

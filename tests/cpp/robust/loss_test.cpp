@@ -116,7 +116,7 @@ std::unique_ptr<ceres::LossFunction> ceres_loss(LossType type, double a) {
     case LossType::CAUCHY:
       return std::make_unique<ceres::CauchyLoss>(a);
     case LossType::ARCTAN:
-      return std::make_unique<ceres::ArctanLoss>(a);
+      return std::make_unique<ceres::ArctanLoss>(a * a);
     case LossType::TUKEY:
       return std::make_unique<ceres::TukeyLoss>(a);
     default:
@@ -176,7 +176,7 @@ TEST(Loss, ValidateNamesFieldRuleAndValue) {
     Loss{LossType::HUBER, -1.0}.validate();
     FAIL() << "accepted a negative scale";
   } catch (const OptionsError& error) {
-    EXPECT_STREQ(error.what(), "Loss.scale must be > 0 and finite, got -1");
+    EXPECT_STREQ(error.what(), "Loss.scale must be > 0 and within [1e-100, 1e100], got -1");
   }
   EXPECT_THROW((Loss{LossType::STUDENT_T, 1.0, 0.0}.validate()), OptionsError);
 }

@@ -40,6 +40,7 @@ TEST(LmOptions, EveryFieldIsCheckedAndNamed) {
       {"gradient_tolerance", [](LmOptions& o) { o.gradient_tolerance = -1e-9; }},
       {"parameter_tolerance", [](LmOptions& o) { o.parameter_tolerance = NAN; }},
       {"initial_lambda", [](LmOptions& o) { o.initial_lambda = 0.0; }},
+      {"initial_lambda", [](LmOptions& o) { o.max_lambda = o.initial_lambda; }},
       {"min_lambda", [](LmOptions& o) { o.min_lambda = -1.0; }},
       {"max_lambda", [](LmOptions& o) { o.max_lambda = 1e-20; }},
       {"min_relative_decrease", [](LmOptions& o) { o.min_relative_decrease = 1.0; }},
@@ -103,7 +104,10 @@ TEST(Summary, IsUsableUnlessItFailed) {
     EXPECT_TRUE(summary.is_usable());
   }
   summary.termination = Termination::FAILURE;
+  summary.message = "the start is invalid";
   EXPECT_FALSE(summary.is_usable());
+  EXPECT_EQ(summary.brief_report(), "failure: the start is invalid");  // no costs of −1
+  EXPECT_EQ(summary.full_report(), "failure: the start is invalid\n");
 }
 
 }  // namespace

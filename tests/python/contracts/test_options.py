@@ -134,7 +134,7 @@ def test_no_float_option_takes_nan(cls: type):
 @each_record
 def test_wrong_types_are_refused(cls: type):
     for name in cls.__fields__:
-        with pytest.raises(TypeError):
+        with pytest.raises(raylign.OptionsError, match=rf"{cls.__name__}\.{name} must be like"):
             make(cls).replace(**{name: object()})
 
 

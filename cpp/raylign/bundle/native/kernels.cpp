@@ -49,7 +49,7 @@ struct Projection {
 
 // False when P lies in the camera's plane. The formulas of BalCamera::project.
 RAYLIGN_INLINE bool project(const CameraPacket& camera, const double* P, Projection& p) {
-  if (!(std::abs(P[2]) >= kMinDepth)) return false;
+  if (!(std::abs(P[2]) > kMinDepth * (std::abs(P[0]) + std::abs(P[1])))) return false;
   p.w = -1.0 / P[2];
   p.x = P[0] * p.w;
   p.y = P[1] * p.w;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace raylign::native {
 namespace {
@@ -61,10 +62,7 @@ LmState ReprojectionProblem::linearize() {
   sum_cameras();
   prepare_cameras();
   if (!has_scales_) set_scales();
-  state.gradient_max_norm = landmark_gradient_max_norm();
-  for (const double g : camera_gradient_) {
-    state.gradient_max_norm = std::max(state.gradient_max_norm, std::abs(g));
-  }
+  state.gradient_max_norm = gradient_max_norm();
   return state;
 }
 
@@ -108,14 +106,21 @@ void ReprojectionProblem::prepare_cameras() {
   }
 }
 
-double ReprojectionProblem::landmark_gradient_max_norm() const {
+// NaN when any of it is not finite: std::max would step over a NaN.
+double ReprojectionProblem::gradient_max_norm() const {
   double largest = 0.0;
+  double sum = 0.0;
+  const auto visit = [&](double g) {
+    largest = std::max(largest, std::abs(g));
+    sum += std::abs(g);
+  };
+  for (const double g : camera_gradient_) visit(g);
   for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
     for (int k = 0; k < 3; ++k) {
-      if (!is_held(j, k)) largest = std::max(largest, std::abs(landmark_blocks_[j].g[k]));
+      if (!is_held(j, k)) visit(landmark_blocks_[j].g[k]);
     }
   }
-  return largest;
+  return std::isfinite(sum) ? largest : std::numeric_limits<double>::quiet_NaN();
 }
 
 void ReprojectionProblem::set_scales() {

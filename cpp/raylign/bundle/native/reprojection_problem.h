@@ -57,7 +57,7 @@ class ReprojectionProblem {
   double linearize_landmarks();
   void sum_cameras();
   void prepare_cameras();
-  double landmark_gradient_max_norm() const;
+  double gradient_max_norm() const;
   void set_scales();
   void set_damping(double lambda);
   LandmarkFactor factor_landmark(std::int64_t landmark, double lambda) const;

@@ -7,7 +7,7 @@
 #include "raylign/base/stopwatch.h"
 #include "raylign/bundle/native/reprojection_problem.h"
 #include "raylign/parametrization/constants.h"
-#include "raylign/scene/bal_statistics.h"
+#include "raylign/parametrization/start_check.h"
 #include "raylign/solver/lm.h"
 
 namespace raylign::native {
@@ -61,7 +61,7 @@ Summary solve(BalProblem& problem,
   if (problem.num_observations() == 0) return nothing_to_adjust("native");
   const Stopwatch clock;
   const ScopedSingleThreadedBlas single_threaded_blas;
-  const std::string invalid = describe_invalid_residual(problem);
+  const std::string invalid = describe_invalid_start(problem, options.loss);
   if (!invalid.empty()) return failed_summary("native", invalid);
   ReprojectionProblem native_problem(problem, resolve_constants(problem, config), options);
   const double preprocessor_time_s = clock.seconds();

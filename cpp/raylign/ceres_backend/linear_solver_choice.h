@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "raylign/scene/bal_problem.h"
+#include "raylign/solver/options.h"
+
+namespace raylign::ceres_backend {
+
+struct LinearSolverChoice {
+  LinearSolverType type;
+  std::string reason;
+};
+
+/// What AUTO means for this problem; anything else is taken as it is.
+LinearSolverChoice choose_linear_solver(LinearSolverType requested,
+                                        const BalProblem& problem,
+                                        bool has_free_point);
+
+/// Throws OptionsError when Ceres could not hold the problem: its sizes are `int`, its dense
+/// matrices are allocated whole, and it checks neither.
+void check_ceres_limits(const BalProblem& problem, LinearSolverType type, bool has_free_point);
+
+}  // namespace raylign::ceres_backend
