@@ -44,7 +44,7 @@ def build_programs() -> Path:
         stdout=subprocess.DEVNULL,
     )
     subprocess.run(
-        ["cmake", "--build", BUILD, "--target", "bal_ceres_benchmark"],
+        ["cmake", "--build", BUILD, "--target", "bal_benchmark"],
         check=True,
         stdout=subprocess.DEVNULL,
     )
@@ -95,16 +95,22 @@ def short_name(path: Path) -> str:
 
 def run_bal_program(folder: Path, path: Path, *flags: str) -> list[dict]:
     output = subprocess.run(
-        [folder / "bal_ceres_benchmark", path, *flags], check=True, capture_output=True, text=True
+        [folder / "bal_benchmark", path, *flags], check=True, capture_output=True, text=True
     )
     return [json.loads(line) for line in output.stdout.splitlines()]
 
 
-def median_ratio(rows: list[dict], pose: str, field: str) -> float:
-    """Median over the repeats of autodiff / raylign."""
-    baseline = [row[field] for row in rows if row["system"] == "ceres_autodiff"]
-    ours = [row[field] for row in rows if row["system"] == "raylign_ceres" and row["pose"] == pose]
-    return statistics.median(a / b for a, b in zip(baseline, ours, strict=True))
+def values(rows: list[dict], system: str, pose: str, field: str) -> list[float]:
+    """One number per repeat."""
+    return [row[field] for row in rows if (row["system"], row["pose"]) == (system, pose)]
+
+
+def median_ratio(
+    rows: list[dict], field: str, baseline: tuple[str, str], ours: tuple[str, str]
+) -> float:
+    """Median over the repeats of baseline / ours, each a (system, pose)."""
+    pairs = zip(values(rows, *baseline, field), values(rows, *ours, field), strict=True)
+    return statistics.median(a / b for a, b in pairs)
 
 
 def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
@@ -126,21 +132,71 @@ def bench_jacobians(folder: Path, repeats: int, console: Console) -> list[dict]:
         rows = run_bal_program(folder, path, "--repeats", str(repeats))
         field = "jacobian_ns_per_observation"
 
-        def median(system: str, pose: str, rows: list[dict] = rows, field: str = field) -> float:
-            return statistics.median(
-                r[field] for r in rows if (r["system"], r["pose"]) == (system, pose)
+        ratios = {
+            pose: median_ratio(
+                rows, field, ("ceres_autodiff", "angle_axis"), ("raylign_ceres", pose)
             )
-
-        ratios = {pose: median_ratio(rows, pose, field) for pose in ("se3", "angle_axis")}
+            for pose in ("se3", "angle_axis")
+        }
         table.add_row(
             short_name(path),
-            f"{median('ceres_autodiff', 'angle_axis'):.0f}",
-            f"{median('raylign_ceres', 'se3'):.0f}",
+            f"{statistics.median(values(rows, 'ceres_autodiff', 'angle_axis', field)):.0f}",
+            f"{statistics.median(values(rows, 'raylign_ceres', 'se3', field)):.0f}",
             f"{ratios['se3']:.2f}",
-            f"{median('raylign_ceres', 'angle_axis'):.0f}",
+            f"{statistics.median(values(rows, 'raylign_ceres', 'angle_axis', field)):.0f}",
             f"{ratios['angle_axis']:.2f}",
         )
         results.append({"problem": path.name, "ratios": ratios, "rows": rows})
+    console.print(table)
+    return results
+
+
+def time_to_cost(row: dict, target: float) -> float:
+    """Seconds since the call until the cost was at most `target`; inf when it never was."""
+    return next((seconds for seconds, cost in row["trace"] if cost <= target), float("inf"))
+
+
+def bench_native(folder: Path, repeats: int, console: Console) -> list[dict]:
+    """The native engine against Ceres, autodiff and analytic: dense_schur, one thread."""
+    table = Table(
+        title="Native engine, dense_schur, 1 thread, angle_axis: medians, ratios pair by pair"
+    )
+    for column in (
+        "problem",
+        "ns/observation/iteration: autodiff",
+        "analytic",
+        "native",
+        "ratios",
+        "ms to 0.1 % of the best cost: autodiff",
+        "analytic",
+        "native",
+        "ratios",
+    ):
+        table.add_column(column, justify="left" if column == "problem" else "right")
+    systems = ("ceres_autodiff", "raylign_ceres", "raylign_native")
+    results = []
+    for path in bal_files():
+        rows = run_bal_program(folder, path, "--tight", "--repeats", str(repeats))
+        best = min(row["final_cost"] for row in rows)
+        for row in rows:
+            row["time_to_0.1_percent_s"] = time_to_cost(row, 1.001 * best)
+        result: dict = {"problem": path.name, "best_cost": best, "medians": {}, "ratios": {}}
+        cells = []
+        for field, unit in (
+            ("ns_per_observation_and_iteration", 1),
+            ("time_to_0.1_percent_s", 1e3),
+        ):
+            medians = [statistics.median(values(rows, s, "angle_axis", field)) for s in systems]
+            ratios = [
+                median_ratio(rows, field, (s, "angle_axis"), ("raylign_native", "angle_axis"))
+                for s in systems[:2]
+            ]
+            result["medians"][field] = dict(zip(systems, medians, strict=True))
+            result["ratios"][field] = dict(zip(systems[:2], ratios, strict=True))
+            cells += [f"{unit * m:.0f}" if unit == 1 else f"{unit * m:.1f}" for m in medians]
+            cells.append(" / ".join(f"{r:.1f}" for r in ratios))
+        table.add_row(path.name, *cells)
+        results.append({**result, "rows": rows})
     console.print(table)
     return results
 
@@ -156,7 +212,7 @@ def bench_final_cost(folder: Path, console: Console) -> list[dict]:
     for path in bal_files():
         rows = run_bal_program(folder, path, "--tight", "--repeats", "1")
         autodiff = next(row for row in rows if row["system"] == "ceres_autodiff")
-        ours = next(row for row in rows if row["pose"] == "se3")
+        ours = next(row for row in rows if (row["system"], row["pose"]) == ("raylign_ceres", "se3"))
         difference = ours["final_cost"] / autodiff["final_cost"] - 1.0
         table.add_row(
             short_name(path),
@@ -203,7 +259,9 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--only", choices=["jacobians", "final_cost", "reading", "import"])
+    parser.add_argument(
+        "--only", choices=["jacobians", "native", "final_cost", "reading", "import"]
+    )
     arguments = parser.parse_args()
     console = Console()
     facts = machine_facts()
@@ -213,6 +271,7 @@ def main() -> int:
     folder = build_programs()
     benchmarks = {
         "jacobians": lambda: bench_jacobians(folder, arguments.repeats, console),
+        "native": lambda: bench_native(folder, arguments.repeats, console),
         "final_cost": lambda: bench_final_cost(folder, console),
         "reading": lambda: bench_reading(arguments.repeats, console),
         "import": measure_import,
@@ -220,7 +279,7 @@ def main() -> int:
     chosen = [arguments.only] if arguments.only else list(benchmarks)
     results = {name: benchmarks[name]() for name in chosen}
     RESULTS.mkdir(exist_ok=True)
-    target = RESULTS / f"bal_ceres_{facts['date'][:10]}.json"
+    target = RESULTS / f"bal_{facts['date'][:10]}.json"
     target.write_text(json.dumps({"machine": facts, "results": results}, indent=1) + "\n")
     console.print(f"written: {target.relative_to(ROOT)}")
     return 0

@@ -43,6 +43,7 @@ void bind_solver_enums(py::module_& m) {
 void bind_bundle_enums(py::module_& m) {
   py::native_enum<Backend>(m, "Backend", "enum.Enum", "Engine of bundle adjustment.")
       .value("CERES", Backend::CERES)
+      .value("NATIVE", Backend::NATIVE)
       .finalize();
   py::native_enum<PoseParametrization>(m, "PoseParametrization", "enum.Enum", "How a pose moves.")
       .value("SE3", PoseParametrization::SE3)
@@ -183,7 +184,7 @@ void bind_summary(py::module_& m) {
                        nullptr)
           .field("termination", &S::termination, "Termination.")
           .field("message", &S::message, "Why, in words.")
-          .field("backend", &S::backend, "'ceres' or 'none'.")
+          .field("backend", &S::backend, "'ceres', 'native' or 'none'.")
           .field("initial_cost", &S::initial_cost, "½ Σ ρ(‖r‖²) at the start.")
           .field("final_cost", &S::final_cost, "½ Σ ρ(‖r‖²) at the end.")
           .field("num_accepted", &S::num_accepted, "Steps that moved the state.")

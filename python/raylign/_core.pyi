@@ -231,6 +231,7 @@ class Termination(enum.Enum):
 
 class Backend(enum.Enum):
     CERES = 0
+    NATIVE = 1
 
 class PoseParametrization(enum.Enum):
     SE3 = 0

@@ -88,7 +88,8 @@ def adjust(
         ShapeError: the problem's arrays disagree.
 
     Note:
-        Bitwise reproducible at `num_threads=1`, the default. Releases the GIL.
+        Bitwise reproducible at `num_threads=1`, the default, and with backend NATIVE at any
+        number of threads. Releases the GIL.
 
     Source:
         Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000; Agarwal et al., ECCV 2010.

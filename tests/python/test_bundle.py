@@ -10,7 +10,9 @@ import pytest
 
 import oracle
 import raylign
+from raylign import bundle
 from raylign.bundle import (
+    Backend,
     BundleConfig,
     BundleOptions,
     ConstantCoordinate,
@@ -23,7 +25,6 @@ from raylign.bundle import (
     PoseParametrization,
     Preconditioner,
     Termination,
-    adjust,
 )
 from raylign.robust import Loss, LossType
 
@@ -35,6 +36,33 @@ TIGHT = LmOptions(
 )
 
 
+BACKENDS = list(Backend)
+POINTS = [  # what each engine can do
+    (Backend.CERES, PointParametrization.XYZ),
+    (Backend.CERES, PointParametrization.HOMOGENEOUS),
+    (Backend.CERES, PointParametrization.INVERSE_DEPTH),
+    (Backend.NATIVE, PointParametrization.XYZ),
+]
+
+ceres_only = pytest.mark.parametrize("backend", [Backend.CERES], ids=["CERES"])
+
+
+@pytest.fixture(params=BACKENDS, ids=lambda b: b.name)
+def backend(request):
+    return request.param
+
+
+@pytest.fixture
+def adjust(backend):
+    """raylign.bundle.adjust with each engine in turn."""
+
+    def run(problem, *, options=None, **keywords):
+        options = (options or BundleOptions()).replace(backend=backend)
+        return bundle.adjust(problem, options=options, **keywords)
+
+    return run
+
+
 @pytest.fixture
 def perturbed(tiny_problem):
     rng = np.random.default_rng(3)
@@ -43,7 +71,7 @@ def perturbed(tiny_problem):
     return tiny_problem
 
 
-def test_cost_goes_down_and_equals_the_independent_evaluator(perturbed):
+def test_cost_goes_down_and_equals_the_independent_evaluator(adjust, perturbed):
     before = perturbed.copy()
     result = adjust(perturbed)
     summary = result.summary
@@ -55,7 +83,7 @@ def test_cost_goes_down_and_equals_the_independent_evaluator(perturbed):
     assert summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
 
 
-def test_summary_tells_the_whole_story(perturbed):
+def test_summary_tells_the_whole_story(adjust, backend, perturbed):
     summary = adjust(perturbed).summary
     rows = summary.iterations
     assert rows["iteration"].tolist() == list(range(len(rows)))
@@ -71,18 +99,67 @@ def test_summary_tells_the_whole_story(perturbed):
     assert summary.num_accepted == np.count_nonzero(rows["step_is_accepted"])
     assert summary.num_residuals == 160
     assert summary.num_effective_parameters == 4 * 9 + 20 * 3
-    assert summary.backend == "ceres"
+    assert summary.backend == backend.name.lower()
     assert summary.linear_solver is LinearSolverType.DENSE_SCHUR
     assert "4 cameras" in summary.linear_solver_reason
     assert "convergence" in summary.brief_report()
     assert "dense_schur" in summary.full_report()
 
 
-def test_same_input_same_bits(perturbed):
+def test_same_input_same_bits(adjust, perturbed):
     first, second = adjust(perturbed), adjust(perturbed)
     assert first.problem == second.problem
     assert first.summary.deterministic
     assert first.summary.iterations["cost"].tobytes() == second.summary.iterations["cost"].tobytes()
+
+
+@pytest.mark.parametrize("backend", [Backend.NATIVE])
+def test_native_gives_the_same_bits_on_any_number_of_threads(adjust):
+    problem = raylign.synthetic.bal(num_cameras=20, num_points=3000, seed=2).problem
+    reference = adjust(problem)
+    for num_threads in (2, 4, 4):
+        options = BundleOptions(lm=LmOptions(num_threads=num_threads))
+        result = adjust(problem, options=options)
+        assert result.problem == reference.problem
+        assert result.summary.deterministic
+        assert (
+            result.summary.iterations["cost"].tobytes()
+            == reference.summary.iterations["cost"].tobytes()
+        )
+
+
+@pytest.mark.parametrize("backend", [Backend.NATIVE])
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [
+        (BundleOptions(point_parametrization="homogeneous"), "point_parametrization"),
+        (BundleOptions(point_parametrization="inverse_depth"), "point_parametrization"),
+        (
+            BundleOptions(linear_solver=LinearSolverOptions(type="sparse_schur")),
+            "LinearSolverOptions.type",
+        ),
+    ],
+    ids=["homogeneous", "inverse depth", "sparse"],
+)
+def test_native_refuses_what_it_does_not_do(adjust, perturbed, options, field):
+    with pytest.raises(raylign.OptionsError, match=field):
+        adjust(perturbed, options=options)
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+def test_both_engines_walk_the_same_path(perturbed, pose):
+    rows = {
+        backend: bundle.adjust(
+            perturbed, options=BundleOptions(backend=backend, pose_parametrization=pose)
+        ).summary.iterations
+        for backend in Backend
+    }
+    count = min(len(r) for r in rows.values())
+    assert count >= 4
+    for column, rtol in (("cost", 1e-9), ("lambda", 1e-6)):
+        np.testing.assert_allclose(
+            rows[Backend.NATIVE][column][:count], rows[Backend.CERES][column][:count], rtol=rtol
+        )
 
 
 SCHUR_SOLVERS = [
@@ -102,10 +179,14 @@ SCHUR_SOLVERS = [
 
 
 @pytest.mark.parametrize(
-    "solver", SCHUR_SOLVERS, ids=lambda s: f"{s.type.name}-{s.preconditioner.name}"
+    ("backend", "point", "solver"),
+    [
+        *((*engine, solver) for engine in POINTS[:3] for solver in SCHUR_SOLVERS),
+        (Backend.NATIVE, PointParametrization.XYZ, SCHUR_SOLVERS[0]),
+    ],
+    ids=lambda v: v.name if hasattr(v, "name") else f"{v.type.name}-{v.preconditioner.name}",
 )
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_every_linear_solver_reaches_the_same_cost(perturbed, solver, point):
+def test_every_linear_solver_reaches_the_same_cost(adjust, perturbed, solver, point):
     reference = adjust(perturbed, options=BundleOptions(lm=TIGHT)).summary.final_cost
     options = BundleOptions(linear_solver=solver, point_parametrization=point, lm=TIGHT)
     summary = adjust(perturbed, options=options).summary
@@ -117,7 +198,7 @@ def test_every_linear_solver_reaches_the_same_cost(perturbed, solver, point):
 @pytest.mark.parametrize(
     "loss", [Loss(type=t, scale=1.5) for t in LossType], ids=lambda x: x.type.name
 )
-def test_robust_cost_is_the_sum_of_rho(perturbed, loss):
+def test_robust_cost_is_the_sum_of_rho(adjust, perturbed, loss):
     perturbed.observations[::17] += 40.0  # outliers
     result = adjust(perturbed, options=BundleOptions(loss=loss))
     for problem, cost in (
@@ -130,7 +211,7 @@ def test_robust_cost_is_the_sum_of_rho(perturbed, loss):
     assert result.summary.final_cost < result.summary.initial_cost
 
 
-def test_robust_loss_shrugs_off_outliers(perturbed):
+def test_robust_loss_shrugs_off_outliers(adjust, perturbed):
     clean = adjust(perturbed, options=BundleOptions(lm=TIGHT)).problem
     perturbed.observations[::17] += 60.0
     inliers = np.ones(80, bool)
@@ -148,8 +229,8 @@ def test_robust_loss_shrugs_off_outliers(perturbed):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_constant_blocks_come_back_bit_by_bit(perturbed, pose, point):
+@pytest.mark.parametrize(("backend", "point"), POINTS, ids=lambda p: p.name)
+def test_constant_blocks_come_back_bit_by_bit(adjust, perturbed, pose, point):
     config = BundleConfig(
         constant_cameras=[1], constant_intrinsics=[0, 2], constant_points=[3, 4, 11]
     )
@@ -167,7 +248,7 @@ def test_constant_blocks_come_back_bit_by_bit(perturbed, pose, point):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-def test_constant_coordinates_come_back_bit_by_bit(perturbed, pose):
+def test_constant_coordinates_come_back_bit_by_bit(adjust, perturbed, pose):
     held = [
         ConstantCoordinate(kind=ParameterKind.POSE, index=0, coordinate="rotation"),
         ConstantCoordinate(kind=ParameterKind.POSE, index=1, coordinate="tx"),
@@ -192,7 +273,7 @@ def test_constant_coordinates_come_back_bit_by_bit(perturbed, pose):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-def test_gauge_choices_reach_the_same_cost(perturbed, pose):
+def test_gauge_choices_reach_the_same_cost(adjust, perturbed, pose):
     costs, freedoms = {}, {}
     for gauge in Gauge:
         options = BundleOptions(pose_parametrization=pose, lm=TIGHT)
@@ -205,7 +286,7 @@ def test_gauge_choices_reach_the_same_cost(perturbed, pose):
     assert freedoms[Gauge.FREE] - freedoms[Gauge.TWO_CAMERAS] == 7
 
 
-def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(perturbed):
+def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(adjust, perturbed):
     refined = adjust(perturbed, config=BundleConfig(gauge=Gauge.TWO_CAMERAS)).problem
     centers = perturbed.camera_centers()
     farthest = int(np.argmax(np.linalg.norm(centers - centers[0], axis=1)))
@@ -218,7 +299,7 @@ def test_two_cameras_holds_the_largest_coordinate_of_the_longest_baseline(pertur
     np.testing.assert_array_equal(held, expected)
 
 
-def test_everything_constant_changes_nothing(perturbed):
+def test_everything_constant_changes_nothing(adjust, perturbed):
     config = BundleConfig(
         constant_cameras=range(4), constant_intrinsics=range(4), constant_points=range(20)
     )
@@ -241,12 +322,13 @@ def test_everything_constant_changes_nothing(perturbed):
         ),
     ],
 )
-def test_an_index_outside_the_problem_is_an_options_error(perturbed, config, field):
+def test_an_index_outside_the_problem_is_an_options_error(adjust, perturbed, config, field):
     with pytest.raises(raylign.OptionsError, match=field):
         adjust(perturbed, config=config)
 
 
-def test_contradicting_options_are_refused(perturbed):
+@ceres_only
+def test_contradicting_options_are_refused(adjust, perturbed):
     with pytest.raises(raylign.OptionsError, match="explicit_schur"):
         LinearSolverOptions(
             type=LinearSolverType.ITERATIVE_SCHUR,
@@ -264,7 +346,8 @@ def test_contradicting_options_are_refused(perturbed):
         )
 
 
-def test_dense_normal_equations_refuse_to_fill_the_memory():
+@ceres_only
+def test_dense_normal_equations_refuse_to_fill_the_memory(adjust):
     problem = raylign.synthetic.bal(num_cameras=50, num_points=8000, seed=1).problem
     options = BundleOptions(
         linear_solver=LinearSolverOptions(type=LinearSolverType.DENSE_NORMAL_CHOLESKY)
@@ -276,7 +359,7 @@ def test_dense_normal_equations_refuse_to_fill_the_memory():
 # --- callback, stop, limits ----------------------------------------------------------------------
 
 
-def test_callback_sees_every_iteration_in_order(perturbed):
+def test_callback_sees_every_iteration_in_order(adjust, perturbed):
     seen = []
     summary = adjust(perturbed, callback=lambda it: seen.append((it.iteration, it.cost))).summary
     assert seen == list(
@@ -285,7 +368,7 @@ def test_callback_sees_every_iteration_in_order(perturbed):
 
 
 @pytest.mark.parametrize("boolean", [bool, np.bool_])
-def test_callback_returning_false_stops_with_the_best_state(perturbed, boolean):
+def test_callback_returning_false_stops_with_the_best_state(adjust, perturbed, boolean):
     result = adjust(perturbed, callback=lambda it: boolean(it.iteration < 2))
     assert result.summary.termination is Termination.USER_STOPPED
     assert len(result.summary.iterations) == 3
@@ -294,12 +377,12 @@ def test_callback_returning_false_stops_with_the_best_state(perturbed, boolean):
 
 
 @pytest.mark.parametrize("answer", [None, True, 0, 1, "stop"])
-def test_only_false_stops(perturbed, answer):
+def test_only_false_stops(adjust, perturbed, answer):
     summary = adjust(perturbed, callback=lambda it: answer).summary
     assert summary.termination is Termination.CONVERGENCE
 
 
-def test_exception_in_the_callback_comes_out(perturbed):
+def test_exception_in_the_callback_comes_out(adjust, perturbed):
     class MineError(Exception):
         pass
 
@@ -313,7 +396,7 @@ def test_exception_in_the_callback_comes_out(perturbed):
     assert perturbed == before
 
 
-def test_ctrl_c_stops_with_the_best_state(perturbed):
+def test_ctrl_c_stops_with_the_best_state(adjust, perturbed):
     def callback(iteration):
         if iteration.iteration == 1:
             os.kill(os.getpid(), signal.SIGINT)
@@ -324,14 +407,14 @@ def test_ctrl_c_stops_with_the_best_state(perturbed):
     assert result.summary.final_cost == pytest.approx(oracle.cost(result.problem), rel=1e-12)
 
 
-def test_keyboard_interrupt_raised_by_the_callback_is_a_stop(perturbed):
+def test_keyboard_interrupt_raised_by_the_callback_is_a_stop(adjust, perturbed):
     def callback(iteration):
         raise KeyboardInterrupt
 
     assert adjust(perturbed, callback=callback).summary.termination is Termination.USER_STOPPED
 
 
-def test_other_threads_run_during_a_solve(perturbed):
+def test_other_threads_run_during_a_solve(adjust, perturbed):
     ticks = []
     stop = threading.Event()
 
@@ -354,7 +437,7 @@ def test_other_threads_run_during_a_solve(perturbed):
     assert sum(seen) > 0
 
 
-def test_zero_iterations_only_evaluate(perturbed):
+def test_zero_iterations_only_evaluate(adjust, perturbed):
     result = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_num_iterations=0)))
     assert result.problem == perturbed
     assert result.summary.termination is Termination.MAX_ITERATIONS
@@ -362,7 +445,7 @@ def test_zero_iterations_only_evaluate(perturbed):
     assert len(result.summary.iterations) == 1
 
 
-def test_iteration_and_time_limits_are_told_apart(perturbed):
+def test_iteration_and_time_limits_are_told_apart(adjust, perturbed):
     few = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_num_iterations=1))).summary
     assert few.termination is Termination.MAX_ITERATIONS
     late = adjust(perturbed, options=BundleOptions(lm=LmOptions(max_solver_time_s=1e-9))).summary
@@ -395,8 +478,8 @@ def subproblem(problem, keep):
     ],
     ids=["empty", "one observation", "one camera", "one point", "two cameras"],
 )
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_degenerate_problems_give_a_finite_answer(perturbed, make, point):
+@pytest.mark.parametrize(("backend", "point"), POINTS, ids=lambda p: p.name)
+def test_degenerate_problems_give_a_finite_answer(adjust, perturbed, make, point):
     keep = make(perturbed)
     problem = subproblem(perturbed, keep)
     result = adjust(problem, options=BundleOptions(point_parametrization=point))
@@ -410,7 +493,7 @@ def test_degenerate_problems_give_a_finite_answer(perturbed, make, point):
     )
 
 
-def test_duplicate_observations_count_twice(tiny_problem):
+def test_duplicate_observations_count_twice(adjust, tiny_problem):
     twice = subproblem(tiny_problem, np.r_[np.arange(80), 7])
     extra = 0.5 * np.sum(oracle.residuals(tiny_problem)[7] ** 2)
     summary = adjust(twice).summary
@@ -419,7 +502,7 @@ def test_duplicate_observations_count_twice(tiny_problem):
 
 
 @pytest.mark.parametrize("where", ["points", "cameras", "observations"])
-def test_nan_at_the_start_is_a_failure_that_names_the_observation(tiny_problem, where):
+def test_nan_at_the_start_is_a_failure_that_names_the_observation(adjust, tiny_problem, where):
     getattr(tiny_problem, where)[2, 0] = np.nan
     before = tiny_problem.copy()
     result = adjust(tiny_problem)
@@ -430,7 +513,7 @@ def test_nan_at_the_start_is_a_failure_that_names_the_observation(tiny_problem, 
     assert result.problem == before
 
 
-def test_point_in_the_camera_plane_is_a_failure(tiny_problem):
+def test_point_in_the_camera_plane_is_a_failure(adjust, tiny_problem):
     centers = tiny_problem.camera_centers()
     tiny_problem.points[4] = centers[0]
     summary = adjust(tiny_problem).summary
@@ -438,7 +521,7 @@ def test_point_in_the_camera_plane_is_a_failure(tiny_problem):
     assert "point 4" in summary.message
 
 
-def test_views_with_a_broken_index_are_refused(tiny_problem):
+def test_views_with_a_broken_index_are_refused(adjust, tiny_problem):
     tiny_problem.camera_index[3] = 99
     with pytest.raises(raylign.ShapeError, match="camera_index"):
         adjust(tiny_problem)
@@ -447,8 +530,8 @@ def test_views_with_a_broken_index_are_refused(tiny_problem):
 # --- every parametrisation keeps every promise ----------------------------------------------------
 
 
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_loss_applies_to_every_kind_of_point(perturbed, point):
+@pytest.mark.parametrize(("backend", "point"), POINTS, ids=lambda p: p.name)
+def test_loss_applies_to_every_kind_of_point(adjust, perturbed, point):
     perturbed.observations[::17] += 40.0
     loss = Loss(type=LossType.CAUCHY, scale=1.5)
     options = BundleOptions(loss=loss, point_parametrization=point)
@@ -462,13 +545,14 @@ def test_loss_applies_to_every_kind_of_point(perturbed, point):
 
 
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
-@pytest.mark.parametrize("point", list(PointParametrization), ids=lambda p: p.name)
-def test_every_parametrisation_has_the_same_freedoms(perturbed, pose, point):
+@pytest.mark.parametrize(("backend", "point"), POINTS, ids=lambda p: p.name)
+def test_every_parametrisation_has_the_same_freedoms(adjust, perturbed, pose, point):
     options = BundleOptions(pose_parametrization=pose, point_parametrization=point)
     assert adjust(perturbed, options=options).summary.num_effective_parameters == 4 * 9 + 20 * 3
 
 
-def test_points_move_with_the_camera_they_are_anchored_in(perturbed):
+@ceres_only
+def test_points_move_with_the_camera_they_are_anchored_in(adjust, perturbed):
     """Seen once, an inverse-depth point keeps its own numbers while its host moves."""
     keep = (perturbed.point_index >= 5) | (perturbed.camera_index == 0)
     problem = subproblem(perturbed, keep)
@@ -478,7 +562,8 @@ def test_points_move_with_the_camera_they_are_anchored_in(perturbed):
     assert np.all(np.any(result.problem.points[:5] != problem.points[:5], axis=1))
 
 
-def test_anchor_does_not_depend_on_the_order_of_observations(perturbed):
+@ceres_only
+def test_anchor_does_not_depend_on_the_order_of_observations(adjust, perturbed):
     options = BundleOptions(point_parametrization=PointParametrization.INVERSE_DEPTH)
     backwards = subproblem(perturbed, np.arange(80)[::-1])
     a = adjust(perturbed, options=options).summary.iterations["cost"]
@@ -491,7 +576,8 @@ def test_anchor_does_not_depend_on_the_order_of_observations(perturbed):
     [PointParametrization.HOMOGENEOUS, PointParametrization.INVERSE_DEPTH],
     ids=lambda p: p.name,
 )
-def test_a_point_at_infinity_comes_back_finite(tiny_problem, point):
+@ceres_only
+def test_a_point_at_infinity_comes_back_finite(adjust, tiny_problem, point):
     """Parallel rays: the best point is at infinity, w = 0 or ρ = 0; a file holds finite numbers."""
     R = oracle.rotation_matrices(tiny_problem.cameras[:, :3])
     direction = R[0].T @ [0.1, 0.2, -1.0]
@@ -510,7 +596,7 @@ def test_a_point_at_infinity_comes_back_finite(tiny_problem, point):
     assert np.max(errors[tiny_problem.point_index == 3]) < 1e-4
 
 
-def test_gauge_cameras_are_cameras_with_observations(perturbed):
+def test_gauge_cameras_are_cameras_with_observations(adjust, perturbed):
     cameras = np.vstack([perturbed.cameras[:1], perturbed.cameras, perturbed.cameras[:1]])
     cameras[-1, 3:6] += 1e6  # far away, and nobody observes anything from it
     problem = raylign.BalProblem(
@@ -536,14 +622,16 @@ def test_gauge_cameras_are_cameras_with_observations(perturbed):
         (1001, LinearSolverType.ITERATIVE_SCHUR),
     ],
 )
-def test_auto_chooses_by_the_number_of_cameras(num_cameras, expected):
+@ceres_only
+def test_auto_chooses_by_the_number_of_cameras(adjust, num_cameras, expected):
     problem = raylign.synthetic.bal(num_cameras=num_cameras, num_points=4 * num_cameras).problem
     summary = adjust(problem, options=BundleOptions(lm=LmOptions(max_num_iterations=0))).summary
     assert summary.linear_solver is expected
     assert f"{num_cameras} cameras" in summary.linear_solver_reason
 
 
-def test_without_a_free_point_the_cameras_are_solved_sparsely(perturbed):
+@ceres_only
+def test_without_a_free_point_the_cameras_are_solved_sparsely(adjust, perturbed):
     result = adjust(perturbed, config=BundleConfig(constant_points=range(20)))
     assert result.summary.linear_solver is LinearSolverType.SPARSE_SCHUR
     assert "no free point" in result.summary.linear_solver_reason
@@ -553,7 +641,8 @@ def test_without_a_free_point_the_cameras_are_solved_sparsely(perturbed):
     assert told.summary.final_cost == pytest.approx(result.summary.final_cost, rel=1e-9)
 
 
-def test_rows_tell_what_the_step_did(perturbed):
+@ceres_only
+def test_rows_tell_what_the_step_did(adjust, perturbed):
     iterative = LinearSolverOptions(type="iterative_schur", forcing_tolerance=1e-3)
     rows = adjust(perturbed, options=BundleOptions(linear_solver=iterative)).summary.iterations
     steps = rows[1:]
@@ -592,7 +681,7 @@ def test_scales_outside_the_range_of_double_are_refused(scale):
 
 @pytest.mark.parametrize("loss_type", list(LossType), ids=lambda t: t.name)
 @pytest.mark.parametrize("scale", [1e-100, 1e100])
-def test_extreme_scales_end_well(perturbed, loss_type, scale):
+def test_extreme_scales_end_well(adjust, perturbed, loss_type, scale):
     summary = adjust(
         perturbed, options=BundleOptions(loss=Loss(type=loss_type, scale=scale))
     ).summary
@@ -600,14 +689,15 @@ def test_extreme_scales_end_well(perturbed, loss_type, scale):
     assert summary.final_cost <= summary.initial_cost
 
 
-def test_a_dense_matrix_that_ceres_cannot_index_is_refused():
+@ceres_only
+def test_a_dense_matrix_that_ceres_cannot_index_is_refused(adjust):
     problem = raylign.synthetic.bal(num_cameras=6000, num_points=24000).problem
     options = BundleOptions(linear_solver=LinearSolverOptions(type="dense_schur"))
     with pytest.raises(raylign.OptionsError, match="dense_schur would allocate"):
         adjust(problem, options=options)
 
 
-def test_linearizing_where_the_jacobian_overflows_is_an_error():
+def test_linearizing_where_the_jacobian_overflows_is_an_error(adjust):
     problem = raylign.BalProblem(
         np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e300, 0.0, 0.0]]),
         np.array([[0.0, 0.0, -1e-10]]),
@@ -620,7 +710,8 @@ def test_linearizing_where_the_jacobian_overflows_is_an_error():
     assert adjust(problem).summary.termination is Termination.FAILURE
 
 
-def test_a_failure_after_good_steps_keeps_them(perturbed):
+@ceres_only
+def test_a_failure_after_good_steps_keeps_them(adjust, perturbed):
     """One camera alone, f and k1 held: conjugate gradients break down at the end."""
     problem = subproblem(perturbed, perturbed.camera_index == 0)
     held = [ConstantCoordinate(kind="intrinsics", coordinate=c) for c in ("f", "k1")]
@@ -637,7 +728,7 @@ def test_a_failure_after_good_steps_keeps_them(perturbed):
     )
 
 
-def test_overlapping_solves_put_the_process_settings_back(perturbed):
+def test_overlapping_solves_put_the_process_settings_back(adjust, perturbed):
     openblas = ctypes.CDLL("libopenblas.so.0")  # the one that _core has loaded
     before = openblas.openblas_get_num_threads()
     threads = [threading.Thread(target=adjust, args=(perturbed,)) for _ in range(8)]
@@ -651,7 +742,22 @@ def test_overlapping_solves_put_the_process_settings_back(perturbed):
     assert set(inside) == {1}
 
 
-def test_the_solver_is_silent_when_steps_fail(tiny_problem, capfd):
+@pytest.mark.parametrize("backend", [Backend.NATIVE])
+def test_native_rows_tell_what_the_step_did(adjust, perturbed):
+    summary = adjust(perturbed).summary
+    rows, steps = summary.iterations, summary.iterations[1:]
+    assert np.all(steps["step_is_valid"])
+    assert set(steps["linear_solver_iterations"]) == {1}
+    assert np.all(steps["step_norm"] > 0.0)
+    assert np.all(steps["linear_solver_time_s"] > 0.0)
+    assert rows["gradient_max_norm"][-1] < 1e-2 * rows["gradient_max_norm"][0]
+    assert np.all((steps["gain_ratio"] > 0.0) & (steps["gain_ratio"] < 1.5))
+    assert summary.residual_time_s > 0.0
+    assert summary.jacobian_time_s > 0.0
+
+
+@ceres_only
+def test_the_solver_is_silent_when_steps_fail(adjust, tiny_problem, capfd):
     rng = np.random.default_rng(1)
     tiny_problem.points[:] += rng.normal(0.0, 3.0, tiny_problem.points.shape)
     for solver in ("dense_schur", "sparse_schur", "iterative_schur"):

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/bundle/bundle_adjuster.h"
 
+#include "raylign/bundle/native/solve.h"
 #include "raylign/ceres_backend/solve.h"
 
 namespace raylign {
@@ -21,6 +22,8 @@ Summary adjust(BalProblem& problem,
                const IterationCallback& callback) {
   validate(problem, config, options);
   switch (options.backend) {
+    case Backend::NATIVE:
+      return native::solve(problem, config, options, callback);
     case Backend::CERES:
       break;
   }

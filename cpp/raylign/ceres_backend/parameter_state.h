@@ -7,8 +7,8 @@
 #include <cstring>
 #include <vector>
 
-#include "raylign/ceres_backend/constants.h"
 #include "raylign/ceres_backend/point_blocks.h"
+#include "raylign/parametrization/constants.h"
 #include "raylign/scene/bal_problem.h"
 #include "raylign/solver/bundle_options.h"
 

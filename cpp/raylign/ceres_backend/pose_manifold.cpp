@@ -16,47 +16,17 @@ using ConstVector3 = Eigen::Map<const Vector3>;
 
 PoseManifold::PoseManifold(TranslationUpdate update, const PoseMask& mask)
     : update_(update), mask_(mask), tangent_size_(0) {
-  for (int i = 0; i < 6; ++i) tangent_size_ += is_free(i) ? 1 : 0;
-}
-
-PoseManifold::Embedding PoseManifold::embedding(const double* x) const {
-  const ConstVector3 t(x + 4);
-  Embedding E = Embedding::Zero(6, tangent_size_);
-  for (int i = 0, column = 0; i < 6; ++i) {
-    if (!is_free(i)) continue;
-    E(i, column) = 1.0;
-    if (i >= 3 && update_ == TranslationUpdate::COUPLED) {
-      const Vector3 moved = Vector3::Unit(i - 3).cross(t);  // d t of this rotation
-      for (int k = 0; k < 3; ++k) {
-        if (mask_.translation[k]) E(k, column) = -moved[k];
-      }
-    }
-    ++column;
-  }
-  return E;
+  for (int i = 0; i < 6; ++i) tangent_size_ += mask_.is_free(i) ? 1 : 0;
 }
 
 bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  const Vector6 xi = embedding(x) * Eigen::Map<const Eigen::VectorXd>(delta, tangent_size_);
-  const ConstQuaternion q(x);
-  const ConstVector3 t(x + 4);
-  const Vector3 omega = xi.tail<3>();
-  Eigen::Quaterniond q_new = q;
-  Vector3 t_new = t;
-  if (omega.isZero(0.0)) {  // a pure translation leaves the quaternion's bits alone
-    t_new += xi.head<3>();
-  } else {
-    const Eigen::Quaterniond step = quaternion_exp(omega);
-    q_new = (step * q).normalized();
-    t_new = update_ == TranslationUpdate::COUPLED
-                ? Vector3(step * t + so3_left_jacobian(omega) * xi.head<3>())
-                : Vector3(t + xi.head<3>());
-  }
-  for (int k = 0; k < 3; ++k) {
-    if (mask_.translation[k]) t_new[k] = t[k];
-  }
-  Eigen::Map<Eigen::Quaterniond>{x_plus_delta} = q_new;
-  Eigen::Map<Vector3>{x_plus_delta + 4} = t_new;
+  Eigen::Quaterniond q = ConstQuaternion(x);
+  Vector3 t = ConstVector3(x + 4);
+  const Vector6 xi =
+      pose_embedding(update_, mask_, t) * Eigen::Map<const Eigen::VectorXd>(delta, tangent_size_);
+  pose_plus(update_, mask_, xi, q, t);
+  Eigen::Map<Eigen::Quaterniond>{x_plus_delta} = q;
+  Eigen::Map<Vector3>{x_plus_delta + 4} = t;
   return true;
 }
 
@@ -71,7 +41,7 @@ bool PoseManifold::PlusJacobian(const double* x, double* jacobian) const {
   Eigen::Map<Eigen::Matrix<double, 7, Eigen::Dynamic, Eigen::RowMajor>> out(jacobian, 7,
                                                                             tangent_size_);
   if (mask_.any()) {
-    out = J * embedding(x);
+    out = J * pose_embedding(update_, mask_, ConstVector3(x + 4));
   } else {
     out = J;
   }
@@ -90,7 +60,7 @@ bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) co
     xi.head<3>() = t_y - t_x;
   }
   for (int i = 0, row = 0; i < 6; ++i) {
-    if (is_free(i)) y_minus_x[row++] = xi[i];
+    if (mask_.is_free(i)) y_minus_x[row++] = xi[i];
   }
   return true;
 }
@@ -106,7 +76,7 @@ bool PoseManifold::MinusJacobian(const double* x, double* jacobian) const {
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>> out(jacobian, tangent_size_,
                                                                             7);
   for (int i = 0, row = 0; i < 6; ++i) {
-    if (is_free(i)) out.row(row++) = J.row(i);
+    if (mask_.is_free(i)) out.row(row++) = J.row(i);
   }
   return true;
 }

@@ -7,10 +7,11 @@
 #include <deque>
 
 #include "raylign/base/error.h"
-#include "raylign/ceres_backend/constants.h"
 #include "raylign/ceres_backend/cost_functions.h"
 #include "raylign/ceres_backend/parameter_state.h"
+#include "raylign/ceres_backend/pose_manifold.h"
 #include "raylign/ceres_backend/robust_loss.h"
+#include "raylign/parametrization/constants.h"
 
 namespace raylign::ceres_backend {
 namespace {

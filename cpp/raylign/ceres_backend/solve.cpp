@@ -5,15 +5,15 @@
 #include <ceres/crs_matrix.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "raylign/base/blas_threads.h"
 #include "raylign/base/error.h"
 #include "raylign/base/stopwatch.h"
 #include "raylign/ceres_backend/linear_solver_choice.h"
 #include "raylign/ceres_backend/process_guards.h"
 #include "raylign/ceres_backend/reprojection_problem.h"
 #include "raylign/ceres_backend/summary_bridge.h"
-#include "raylign/scene/bal_statistics.h"
+#include "raylign/parametrization/start_check.h"
 
 namespace raylign::ceres_backend {
 namespace {
@@ -27,30 +27,6 @@ void set_ordering(ReprojectionProblem& problem, ceres::Solver::Options& options)
   options.linear_solver_ordering = ordering;
 }
 
-// Empty when the cost is finite; else which observation is to blame, and why. Asked before Ceres
-// sees a number: it aborts the process on NaN parameters.
-std::string describe_invalid_start(const BalProblem& problem, const Loss& loss) {
-  const auto residuals = reprojection_residuals(problem);
-  double cost = 0.0;
-  for (std::int64_t i = 0; i < problem.num_observations(); ++i) {
-    cost += loss.evaluate(residuals.row(i).squaredNorm()).rho;
-    if (std::isfinite(cost)) continue;
-    return "the start is invalid: observation " + std::to_string(i) + " (camera " +
-           std::to_string(problem.camera_index[i]) + ", point " +
-           std::to_string(problem.point_index[i]) +
-           ") has no finite reprojection error; its depth is " + format_double(depths(problem)[i]);
-  }
-  return "";
-}
-
-Summary failure(const std::string& message) {
-  Summary summary;
-  summary.termination = Termination::FAILURE;
-  summary.backend = "ceres";
-  summary.message = message;
-  return summary;
-}
-
 // Ceres reports no iteration when every block is constant; a caller always finds row 0.
 void ensure_first_row(Summary& summary, int num_residual_blocks) {
   if (!summary.iterations.empty()) return;
@@ -59,26 +35,6 @@ void ensure_first_row(Summary& summary, int num_residual_blocks) {
   row.cost = summary.initial_cost;
   row.num_residual_blocks = num_residual_blocks;
   summary.iterations.push_back(row);
-}
-
-Summary nothing_to_do() {
-  Summary summary;
-  summary.termination = Termination::CONVERGENCE;
-  summary.backend = "ceres";
-  summary.message = "nothing to adjust: the problem has no observations";
-  summary.linear_solver = LinearSolverType::DENSE_SCHUR;
-  summary.linear_solver_reason = "nothing to solve";
-  summary.initial_cost = summary.final_cost = 0.0;
-  summary.deterministic = true;
-  ensure_first_row(summary, 0);
-  return summary;
-}
-
-void count_steps(Summary& summary) {
-  for (const IterationSummary& row : summary.iterations) {
-    if (row.iteration == 0) continue;
-    (row.step_is_accepted ? summary.num_accepted : summary.num_rejected) += 1;
-  }
 }
 
 // After a failure Ceres forgets the costs; the rows have them.
@@ -103,12 +59,13 @@ Summary solve(BalProblem& problem,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback) {
-  if (problem.num_observations() == 0) return nothing_to_do();
+  if (problem.num_observations() == 0) return nothing_to_adjust("ceres");
   const Stopwatch stopwatch;
   const ScopedGlogSilence silence;
   const ScopedSingleThreadedBlas single_threaded_blas;
+  // asked before Ceres sees a number: it aborts the process on NaN parameters
   const std::string invalid = describe_invalid_start(problem, options.loss);
-  if (!invalid.empty()) return failure(invalid);
+  if (!invalid.empty()) return failed_summary("ceres", invalid);
   const auto built = ReprojectionProblem::create(problem, config, options);
   const bool eliminates = has_free_point(*built);
   LinearSolverChoice choice = choose_linear_solver(options.linear_solver.type, problem, eliminates);
@@ -135,7 +92,7 @@ Summary solve(BalProblem& problem,
         ceres::LinearSolverTypeToString(ceres_summary.linear_solver_type_used);
   }
   summary.iterations = bridge.iterations();
-  count_steps(summary);
+  summary.count_steps();
   if (summary.termination == Termination::FAILURE) {
     adopt_costs_of_rows(summary);
     if (summary.num_accepted > 0) built->restore_saved_state();

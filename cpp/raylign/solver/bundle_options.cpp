@@ -14,6 +14,8 @@ std::string to_string(Backend backend) {
   switch (backend) {
     case Backend::CERES:
       return "ceres";
+    case Backend::NATIVE:
+      return "native";
   }
   return "unknown";
 }

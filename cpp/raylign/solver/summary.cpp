@@ -25,6 +25,14 @@ bool Summary::is_usable() const {
   return termination != Termination::NOT_RUN;
 }
 
+void Summary::count_steps() {
+  num_accepted = num_rejected = 0;
+  for (const IterationSummary& row : iterations) {
+    if (row.iteration == 0) continue;
+    (row.step_is_accepted ? num_accepted : num_rejected) += 1;
+  }
+}
+
 std::string Summary::brief_report() const {
   if (!is_usable()) return to_string(termination) + ": " + message;
   return format("%s: cost %.6e -> %.6e, %d accepted and %d rejected steps, %.3f s",
@@ -52,6 +60,30 @@ std::string Summary::full_report() const {
   text += format("linear solver      %9.4f s\n", linear_solver_time_s);
   text += format("total              %9.4f s\n", total_time_s);
   return text;
+}
+
+Summary failed_summary(const std::string& backend, const std::string& message) {
+  Summary summary;
+  summary.termination = Termination::FAILURE;
+  summary.backend = backend;
+  summary.message = message;
+  return summary;
+}
+
+Summary nothing_to_adjust(const std::string& backend) {
+  Summary summary;
+  summary.termination = Termination::CONVERGENCE;
+  summary.backend = backend;
+  summary.message = "nothing to adjust: the problem has no observations";
+  summary.linear_solver = LinearSolverType::DENSE_SCHUR;
+  summary.linear_solver_reason = "nothing to solve";
+  summary.initial_cost = summary.final_cost = 0.0;
+  summary.deterministic = true;
+  IterationSummary row;
+  row.iteration = 0;
+  row.cost = 0.0;
+  summary.iterations.push_back(row);
+  return summary;
 }
 
 std::string to_string(Termination termination) {

@@ -70,11 +70,18 @@ struct Summary {
   /// True when the state is at least as good as the start: everything but NOT_RUN and a FAILURE
   /// before the first accepted step.
   bool is_usable() const;
+  /// Sets num_accepted and num_rejected from the iterations.
+  void count_steps();
   /// One line: termination, costs, iterations, seconds.
   std::string brief_report() const;
   /// Several lines, for people.
   std::string full_report() const;
 };
+
+/// Termination::FAILURE before anything was solved.
+Summary failed_summary(const std::string& backend, const std::string& message);
+/// A problem without observations is solved as it stands.
+Summary nothing_to_adjust(const std::string& backend);
 
 std::string to_string(Termination termination);
 std::string to_string(LinearSolverType type);

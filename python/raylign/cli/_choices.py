@@ -10,6 +10,7 @@ class Backend(enum.StrEnum):
     """raylign.Backend."""
 
     CERES = "ceres"
+    NATIVE = "native"
 
 
 class Pose(enum.StrEnum):

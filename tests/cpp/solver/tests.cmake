@@ -1,1 +1,2 @@
 raylign_add_test(solver options_test.cpp)
+raylign_add_test(solver lm_test.cpp)

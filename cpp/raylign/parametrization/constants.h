@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "raylign/ceres_backend/pose_manifold.h"
+#include "raylign/parametrization/pose_update.h"
 #include "raylign/scene/bal_problem.h"
 #include "raylign/solver/bundle_config.h"
 
-namespace raylign::ceres_backend {
+namespace raylign {
 
 using CoordinateMask = std::array<bool, 3>;
 
@@ -28,4 +28,4 @@ struct Constants {
 /// Cameras without observations do not serve as gauge cameras.
 Constants resolve_constants(const BalProblem& problem, const BundleConfig& config);
 
-}  // namespace raylign::ceres_backend
+}  // namespace raylign

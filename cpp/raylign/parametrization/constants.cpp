@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The raylign authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "raylign/ceres_backend/constants.h"
+#include "raylign/parametrization/constants.h"
 
 #include "raylign/geometry/so3.h"
 
-namespace raylign::ceres_backend {
+namespace raylign {
 namespace {
 
 constexpr CoordinateMask kAllHeld{true, true, true};
@@ -103,4 +103,4 @@ Constants resolve_constants(const BalProblem& problem, const BundleConfig& confi
   return held;
 }
 
-}  // namespace raylign::ceres_backend
+}  // namespace raylign

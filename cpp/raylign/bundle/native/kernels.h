@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "raylign/robust/loss.h"
+
+/// The inner loops of the native engine: plain C over raw arrays, compiled for several instruction
+/// sets and chosen at run time. No Eigen here: its inline functions would be shared with units that
+/// are compiled for another instruction set.
+///
+/// Notation as in docs/theory/native-engine.md: A = ∂r/∂X (2×3), also −∂r/∂c; a = X − c; I =
+/// ∂r/∂(f, k1, k2); F = [a × A | −A | I], row by row, the 2×9 Jacobian of the canonical camera
+/// tangent [ω; δc; δ(f, k1, k2)]. Robust weights √ρ′ are in A, I and r.
+namespace raylign::native {
+
+/// Nine numbers of a camera in a row of twelve: three AVX2 registers, one and a half of AVX-512.
+inline constexpr int kRow = 12;
+/// A 9×9 block in such rows.
+inline constexpr int kBlock = 9 * kRow;
+
+struct alignas(32) Block {
+  double values[kBlock];
+};
+
+/// Zᵀ of one observation: three rows of kRow.
+struct alignas(32) Elimination {
+  double Z[3 * kRow];
+};
+
+/// A camera as the kernels read it; R_cw by rows, c = −Rᵀt.
+struct CameraPacket {
+  double R[9];
+  double t[3];
+  double c[3];
+  double intrinsics[3];
+};
+
+/// What one observation contributes to J; by rows.
+struct ObservationJacobian {
+  double A[6];
+  double I[6];
+};
+
+/// H = Σ AᵀA as (xx, xy, xz, yy, yz, zz) and g = Σ Aᵀr of a landmark.
+struct LandmarkBlock {
+  double H[6];
+  double g[3];
+};
+
+/// The upper triangle of W = L⁻ᵀ, L Lᵀ = H + λD, as (xx, xy, xz, yy, yz, zz); row and column of a
+/// held coordinate are zero, and all of it when there is no factor.
+struct LandmarkFactor {
+  double W[6];
+};
+
+/// H and g of a camera in the canonical tangent.
+struct CameraSums {
+  Block U;
+  alignas(32) double g[kRow];
+};
+
+/// The data that every kernel walks along; `landmark` indexes starts, X and the blocks.
+struct Observations {
+  const std::int64_t* starts;
+  const std::int32_t* camera;
+  const double* uv;
+};
+
+/// Landmarks [begin, end): writes J, one per observation, and H, g, one per landmark; adds to
+/// `cameras`, one per camera. Returns ½ Σ ρ(‖r‖²), NaN when a point lies in a camera's plane.
+/// `loss` may be null: least squares.
+double linearize(const Observations& observations,
+                 std::int64_t begin,
+                 std::int64_t end,
+                 const CameraPacket* packets,
+                 const double* X,
+                 const Loss* loss,
+                 ObservationJacobian* J,
+                 LandmarkBlock* blocks,
+                 CameraSums* cameras);
+
+/// The block-sparse upper triangle of S, in the canonical tangent.
+struct SchurBlocks {
+  std::int32_t num_cameras;
+  const std::int64_t* index;    ///< (C·C,) block of the pair i <= k, −1: none
+  const unsigned char* active;  ///< (C,) 0: the camera does not move
+  Block* blocks;
+  double* rhs;  ///< (C, kRow)
+};
+
+/// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ A
+/// W. Each block is summed in the order of the landmarks, whatever the rows of the call. `scratch`:
+/// (max_track_length, 3·kRow) and `ids` (max_track_length,), one per thread.
+void subtract_landmarks(const Observations& observations,
+                        std::int64_t num_landmarks,
+                        const CameraPacket* packets,
+                        const double* X,
+                        const ObservationJacobian* J,
+                        const LandmarkBlock* blocks,
+                        const LandmarkFactor* factors,
+                        std::int32_t row_begin,
+                        std::int32_t row_end,
+                        const SchurBlocks& S,
+                        Elimination* scratch,
+                        std::int32_t* ids);
+
+/// out[a][b] = (B_iᵀ M B_k)[a][b] for a < rows, b < columns; row a starts at out + a · stride. M
+/// and B are blocks.
+void fold_block(const Block& M,
+                const Block& B_i,
+                const Block& B_k,
+                int rows,
+                int columns,
+                double* out,
+                std::int64_t stride);
+
+/// Sums over landmarks of what the loop wants to know of a step.
+struct TrialSums {
+  double cost = 0.0;
+  double model_decrease = 0.0;  ///< without the cameras' −gᵀδ
+  double squared_step = 0.0;
+  double squared_state = 0.0;
+};
+
+/// Landmarks [begin, end): δX = −W Wᵀ (g + Σ Aᵀ F δ), X_trial = X + δX, and the cost there.
+/// `delta`: canonical camera steps, (C, kRow). `scratch`: (2 · max_track_length,), one per thread.
+TrialSums try_landmarks(const Observations& observations,
+                        std::int64_t begin,
+                        std::int64_t end,
+                        const CameraPacket* packets,
+                        const CameraPacket* trial_packets,
+                        const double* X,
+                        const Loss* loss,
+                        const ObservationJacobian* J,
+                        const LandmarkBlock* blocks,
+                        const LandmarkFactor* factors,
+                        const double* delta,
+                        double* X_trial,
+                        double* scratch);
+
+}  // namespace raylign::native

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/bundle/native/layout.h"
+
+#include <algorithm>
+
+namespace raylign::native {
+namespace {
+
+constexpr std::int64_t kMaxChunks = 16;
+constexpr std::int64_t kMinObservationsPerChunk = 4096;
+
+// Positions 0 … n − 1 sorted by key(position), equal keys in their order: a counting sort.
+template <typename Positions, typename Key>
+std::vector<std::int64_t> sorted_by(const Positions& positions, std::int64_t num_keys, Key key) {
+  std::vector<std::int64_t> next(num_keys + 1, 0);
+  for (const std::int64_t i : positions) ++next[key(i) + 1];
+  for (std::int64_t k = 0; k < num_keys; ++k) next[k + 1] += next[k];
+  std::vector<std::int64_t> sorted(positions.size());
+  for (const std::int64_t i : positions) sorted[next[key(i)]++] = i;
+  return sorted;
+}
+
+std::vector<std::int64_t> iota(std::int64_t count) {
+  std::vector<std::int64_t> positions(count);
+  for (std::int64_t i = 0; i < count; ++i) positions[i] = i;
+  return positions;
+}
+
+}  // namespace
+
+Layout::Layout(const BalProblem& problem)
+    : num_cameras(static_cast<std::int32_t>(problem.num_cameras())) {
+  const auto& cameras = problem.camera_index;
+  const auto& point_of = problem.point_index;
+  const auto by_camera = sorted_by(iota(problem.num_observations()), problem.num_cameras(),
+                                   [&](std::int64_t i) { return cameras[i]; });
+  const auto by_point =
+      sorted_by(by_camera, problem.num_points(), [&](std::int64_t i) { return point_of[i]; });
+  std::vector<std::int64_t> tracks;  // first position in by_point of each observed point
+  for (std::int64_t k = 0; k < problem.num_observations(); ++k) {
+    if (k == 0 || point_of[by_point[k]] != point_of[by_point[k - 1]]) tracks.push_back(k);
+  }
+  const auto ordered = sorted_by(tracks, problem.num_cameras(),
+                                 [&](std::int64_t k) { return cameras[by_point[k]]; });
+
+  starts.reserve(ordered.size() + 1);
+  points.reserve(ordered.size());
+  camera.reserve(by_point.size());
+  uv.reserve(2 * by_point.size());
+  observed.assign(problem.num_cameras(), false);
+  starts.push_back(0);
+  for (const std::int64_t first : ordered) {
+    const std::int32_t point = point_of[by_point[first]];
+    points.push_back(point);
+    for (auto k = first; k < problem.num_observations() && point_of[by_point[k]] == point; ++k) {
+      const std::int64_t i = by_point[k];
+      camera.push_back(cameras[i]);
+      uv.push_back(problem.observations(i, 0));
+      uv.push_back(problem.observations(i, 1));
+      observed[cameras[i]] = true;
+    }
+    starts.push_back(static_cast<std::int64_t>(camera.size()));
+  }
+
+  const std::int64_t num_chunks =
+      std::clamp<std::int64_t>(num_observations() / kMinObservationsPerChunk, 1, kMaxChunks);
+  for (std::int64_t g = 0; g <= num_chunks; ++g) {
+    const std::int64_t target = num_observations() * g / num_chunks;
+    chunks.push_back(std::lower_bound(starts.begin(), starts.end(), target) - starts.begin());
+  }
+}
+
+std::int64_t Layout::max_track_length() const {
+  std::int64_t longest = 0;
+  for (std::int64_t j = 0; j < num_landmarks(); ++j) {
+    longest = std::max(longest, starts[j + 1] - starts[j]);
+  }
+  return longest;
+}
+
+}  // namespace raylign::native

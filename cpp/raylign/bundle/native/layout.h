@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "raylign/scene/bal_problem.h"
+
+namespace raylign::native {
+
+/// The observations of a problem, landmark by landmark: what every pass over the data walks along.
+/// A landmark is a point that somebody sees. Landmarks are sorted by their lowest camera, so that
+/// neighbours touch the same cameras; the observations of one by camera.
+struct Layout {
+  explicit Layout(const BalProblem& problem);
+
+  std::int32_t num_cameras = 0;
+  std::vector<std::int32_t> points;  ///< (L,) index of each landmark in the problem
+  std::vector<std::int64_t> starts;  ///< (L + 1,) first observation of each landmark
+  std::vector<std::int32_t> camera;  ///< (N,)
+  std::vector<double> uv;            ///< (2 N,) observed pixels
+  std::vector<bool> observed;        ///< (C,) cameras with observations
+
+  /// Landmarks are cut into chunks of about equal numbers of observations. Sums are taken chunk by
+  /// chunk, and the cut depends on the problem alone: this is why the bits do not depend on the
+  /// number of threads. (G + 1,)
+  std::vector<std::int64_t> chunks;
+
+  std::int64_t num_landmarks() const { return static_cast<std::int64_t>(points.size()); }
+  std::int64_t num_observations() const { return static_cast<std::int64_t>(camera.size()); }
+  int num_chunks() const { return static_cast<int>(chunks.size()) - 1; }
+  std::int64_t max_track_length() const;
+};
+
+}  // namespace raylign::native

@@ -1,0 +1,248 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/bundle/native/reprojection_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace raylign::native {
+namespace {
+
+std::vector<CoordinateMask> landmark_masks(const Layout& layout, const Constants& held) {
+  std::vector<CoordinateMask> masks;
+  if (held.points.empty()) return masks;
+  for (const std::int32_t point : layout.points) masks.push_back(held.points[point]);
+  return masks;
+}
+
+}  // namespace
+
+ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
+                                         const Constants& held,
+                                         const BundleOptions& options)
+    : options_(options),
+      layout_(problem),
+      held_(landmark_masks(layout_, held)),
+      cameras_(problem, options.pose_parametrization, held, layout_.observed),
+      pool_(options.lm.num_threads),
+      schur_(layout_, cameras_, options.lm.num_threads) {
+  const std::int64_t num_landmarks = layout_.num_landmarks();
+  X_.resize(3 * num_landmarks);
+  for (std::int64_t j = 0; j < num_landmarks; ++j) {
+    for (int k = 0; k < 3; ++k) X_[3 * j + k] = problem.points(layout_.points[j], k);
+  }
+  X_trial_ = X_;
+  J_.resize(layout_.num_observations());
+  landmark_blocks_.resize(num_landmarks);
+  landmark_factors_.resize(num_landmarks);
+  landmark_scales_.resize(3 * num_landmarks);
+  const auto num_chunks = static_cast<std::size_t>(layout_.num_chunks());
+  chunk_cameras_.assign(num_chunks, std::vector<CameraSums>(layout_.num_cameras));
+  camera_sums_.resize(layout_.num_cameras);
+  chunk_costs_.resize(num_chunks);
+  chunk_trials_.resize(num_chunks);
+  chunk_scratch_.assign(num_chunks, std::vector<double>(2 * layout_.max_track_length()));
+  const auto columns = static_cast<std::size_t>(cameras_.num_columns());
+  for (auto* table : {&camera_gradient_, &camera_diagonal_, &camera_scales_, &damping_, &delta_}) {
+    table->resize(columns);
+  }
+  canonical_delta_.assign(static_cast<std::size_t>(layout_.num_cameras) * kRow, 0.0);
+}
+
+int ReprojectionProblem::num_effective_parameters() const {
+  std::int64_t held = 0;
+  for (const CoordinateMask& mask : held_) held += std::count(mask.begin(), mask.end(), true);
+  return static_cast<int>(cameras_.num_columns() + 3 * layout_.num_landmarks() - held);
+}
+
+LmState ReprojectionProblem::linearize() {
+  LmState state;
+  state.cost = linearize_landmarks();
+  sum_cameras();
+  prepare_cameras();
+  if (!has_scales_) set_scales();
+  state.gradient_max_norm = gradient_max_norm();
+  return state;
+}
+
+double ReprojectionProblem::linearize_landmarks() {
+  pool_.run(layout_.num_chunks(), [&](int g) {
+    std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
+    chunk_costs_[g] = native::linearize(observations(), layout_.chunks[g], layout_.chunks[g + 1],
+                                        cameras_.packets(), X_.data(), loss(), J_.data(),
+                                        landmark_blocks_.data(), chunk_cameras_[g].data());
+  });
+  double cost = 0.0;
+  for (const double chunk : chunk_costs_) cost += chunk;
+  return cost;
+}
+
+// Chunk after chunk, each number in one fixed order.
+void ReprojectionProblem::sum_cameras() {
+  camera_sums_ = chunk_cameras_[0];
+  for (std::size_t g = 1; g < chunk_cameras_.size(); ++g) {
+    for (std::size_t i = 0; i < camera_sums_.size(); ++i) {
+      for (int k = 0; k < kBlock; ++k)
+        camera_sums_[i].U.values[k] += chunk_cameras_[g][i].U.values[k];
+      for (int k = 0; k < kRow; ++k) camera_sums_[i].g[k] += chunk_cameras_[g][i].g[k];
+    }
+  }
+}
+
+// Gradient Bᵀg and diagonal of BᵀUB: what the loop and the damping see, in the user's tangent.
+void ReprojectionProblem::prepare_cameras() {
+  double folded[9 * kRow];
+  for (int i = 0; i < cameras_.num_cameras(); ++i) {
+    const int size = cameras_.size(i);
+    const double* B = cameras_.map(i).values;
+    fold_block(camera_sums_[i].U, cameras_.map(i), cameras_.map(i), size, size, folded, kRow);
+    for (int a = 0; a < size; ++a) {
+      double gradient = 0.0;
+      for (int m = 0; m < 9; ++m) gradient += B[m * kRow + a] * camera_sums_[i].g[m];
+      camera_gradient_[cameras_.offset(i) + a] = gradient;
+      camera_diagonal_[cameras_.offset(i) + a] = std::max(0.0, folded[a * kRow + a]);
+    }
+  }
+}
+
+// NaN when any of it is not finite: std::max would step over a NaN.
+double ReprojectionProblem::gradient_max_norm() const {
+  double largest = 0.0;
+  double sum = 0.0;
+  const auto visit = [&](double g) {
+    largest = std::max(largest, std::abs(g));
+    sum += std::abs(g);
+  };
+  for (const double g : camera_gradient_) visit(g);
+  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
+    for (int k = 0; k < 3; ++k) {
+      if (!is_held(j, k)) visit(landmark_blocks_[j].g[k]);
+    }
+  }
+  return std::isfinite(sum) ? largest : std::numeric_limits<double>::quiet_NaN();
+}
+
+void ReprojectionProblem::set_scales() {
+  constexpr int kDiagonal[3] = {0, 3, 5};
+  for (std::size_t a = 0; a < camera_scales_.size(); ++a) {
+    camera_scales_[a] = lm_column_scale(camera_diagonal_[a], options_.lm);
+  }
+  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
+    for (int k = 0; k < 3; ++k) {
+      landmark_scales_[3 * j + k] =
+          lm_column_scale(landmark_blocks_[j].H[kDiagonal[k]], options_.lm);
+    }
+  }
+  has_scales_ = true;
+}
+
+void ReprojectionProblem::set_damping(double lambda) {
+  for (std::size_t a = 0; a < damping_.size(); ++a) {
+    damping_[a] = lambda * lm_damping(camera_diagonal_[a], camera_scales_[a], options_.lm);
+  }
+  pool_.run(layout_.num_chunks(), [&](int g) {
+    for (std::int64_t j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
+      landmark_factors_[j] = factor_landmark(j, lambda);
+    }
+  });
+}
+
+// Cholesky of the damped 3×3 block and W = L⁻ᵀ. A held coordinate is eliminated as if it stood
+// alone, then its row and column are struck out.
+LandmarkFactor ReprojectionProblem::factor_landmark(std::int64_t landmark, double lambda) const {
+  const double* scales = landmark_scales_.data() + 3 * landmark;
+  const auto damped = [&](double h, int k) {
+    return h + lambda * lm_damping(h, scales[k], options_.lm);
+  };
+  const double* H = landmark_blocks_[landmark].H;
+  const bool hx = is_held(landmark, 0);
+  const bool hy = is_held(landmark, 1);
+  const bool hz = is_held(landmark, 2);
+  const double xx = hx ? 1.0 : damped(H[0], 0);
+  const double xy = hx || hy ? 0.0 : H[1];
+  const double xz = hx || hz ? 0.0 : H[2];
+  const double yy = hy ? 1.0 : damped(H[3], 1);
+  const double yz = hy || hz ? 0.0 : H[4];
+  const double zz = hz ? 1.0 : damped(H[5], 2);
+  const double l_xx = std::sqrt(xx);
+  const double l_yx = xy / l_xx;
+  const double l_zx = xz / l_xx;
+  const double l_yy = std::sqrt(yy - l_yx * l_yx);
+  const double l_zy = (yz - l_zx * l_yx) / l_yy;
+  const double l_zz = std::sqrt(zz - l_zx * l_zx - l_zy * l_zy);
+  if (!(l_xx > 0.0 && l_yy > 0.0 && l_zz > 0.0)) return {};  // the landmark stays this time
+  const double w_x = 1.0 / l_xx;
+  const double w_y = 1.0 / l_yy;
+  const double w_z = 1.0 / l_zz;
+  const double w_yz = -l_zy * w_y * w_z;
+  return {{hx ? 0.0 : w_x, -l_yx * w_x * w_y, -(l_zx * w_z + l_yx * w_yz) * w_x, hy ? 0.0 : w_y,
+           w_yz, hz ? 0.0 : w_z}};
+}
+
+void ReprojectionProblem::form_schur(double lambda) {
+  set_damping(lambda);
+  schur_.form(cameras_.packets(), X_.data(), J_.data(), landmark_blocks_.data(),
+              landmark_factors_.data(), camera_sums_, damping_, pool_);
+}
+
+bool ReprojectionProblem::solve(double lambda) {
+  form_schur(lambda);
+  return schur_.solve(delta_);
+}
+
+void ReprojectionProblem::set_canonical_step() {
+  for (int i = 0; i < cameras_.num_cameras(); ++i) {
+    const double* B = cameras_.map(i).values;
+    for (int m = 0; m < 9; ++m) {
+      double sum = 0.0;
+      for (int a = 0; a < cameras_.size(i); ++a) {
+        sum += B[m * kRow + a] * delta_[cameras_.offset(i) + a];
+      }
+      canonical_delta_[i * kRow + m] = sum;
+    }
+  }
+}
+
+double ReprojectionProblem::camera_gradient_step() const {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < delta_.size(); ++a) sum += camera_gradient_[a] * delta_[a];
+  return sum;
+}
+
+LmTrial ReprojectionProblem::try_step() {
+  set_canonical_step();
+  cameras_.try_step(delta_.data());
+  pool_.run(layout_.num_chunks(), [&](int g) {
+    chunk_trials_[g] =
+        try_landmarks(observations(), layout_.chunks[g], layout_.chunks[g + 1], cameras_.packets(),
+                      cameras_.trial_packets(), X_.data(), loss(), J_.data(),
+                      landmark_blocks_.data(), landmark_factors_.data(), canonical_delta_.data(),
+                      X_trial_.data(), chunk_scratch_[g].data());
+  });
+  TrialSums sums;
+  for (const TrialSums& chunk : chunk_trials_) {
+    sums.cost += chunk.cost;
+    sums.model_decrease += chunk.model_decrease;
+    sums.squared_step += chunk.squared_step;
+    sums.squared_state += chunk.squared_state;
+  }
+  for (const double d : delta_) sums.squared_step += d * d;
+  sums.squared_state += cameras_.squared_norm();
+  return {sums.cost, sums.model_decrease - camera_gradient_step(), std::sqrt(sums.squared_step),
+          std::sqrt(sums.squared_state)};
+}
+
+void ReprojectionProblem::accept() {
+  cameras_.accept();
+  X_.swap(X_trial_);
+}
+
+void ReprojectionProblem::write_back(BalProblem& problem) const {
+  cameras_.write_back(problem);
+  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
+    for (int k = 0; k < 3; ++k) problem.points(layout_.points[j], k) = X_[3 * j + k];
+  }
+}
+
+}  // namespace raylign::native

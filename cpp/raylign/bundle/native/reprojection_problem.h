@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "raylign/base/thread_pool.h"
+#include "raylign/bundle/native/camera_blocks.h"
+#include "raylign/bundle/native/kernels.h"
+#include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/schur_system.h"
+#include "raylign/parametrization/constants.h"
+#include "raylign/scene/bal_problem.h"
+#include "raylign/solver/bundle_options.h"
+#include "raylign/solver/lm.h"
+
+namespace raylign::native {
+
+/// A BAL problem as the Levenberg-Marquardt loop sees it (solver/lm.h): XYZ points, landmarks
+/// eliminated, dense S. Nothing is allocated after construction.
+class ReprojectionProblem {
+ public:
+  /// `problem` must be valid, with finite residuals; it is read here and not kept.
+  ReprojectionProblem(const BalProblem& problem,
+                      const Constants& held,
+                      const BundleOptions& options);
+
+  LmState linearize();
+  bool solve(double lambda);
+  LmTrial try_step();
+  void accept();
+
+  /// Writes the current state into `problem`; what did not move keeps its bits.
+  void write_back(BalProblem& problem) const;
+
+  int num_effective_parameters() const;
+  /// The reduced system of the last `solve`, for tests; its matrix holds the factor.
+  const SchurSystem& schur() const { return schur_; }
+  /// Steps of the last `solve` and `try_step`: cameras' free columns, then landmark by landmark.
+  const std::vector<double>& camera_step() const { return delta_; }
+  const CameraBlocks& cameras() const { return cameras_; }
+  const Layout& layout() const { return layout_; }
+
+  /// Forms S and b for damping λ without solving.
+  void form_schur(double lambda);
+
+ private:
+  Observations observations() const {
+    return {layout_.starts.data(), layout_.camera.data(), layout_.uv.data()};
+  }
+  const Loss* loss() const {
+    return options_.loss.type == LossType::TRIVIAL ? nullptr : &options_.loss;
+  }
+  bool is_held(std::int64_t landmark, int k) const { return !held_.empty() && held_[landmark][k]; }
+
+  double linearize_landmarks();
+  void sum_cameras();
+  void prepare_cameras();
+  double gradient_max_norm() const;
+  void set_scales();
+  void set_damping(double lambda);
+  LandmarkFactor factor_landmark(std::int64_t landmark, double lambda) const;
+  void set_canonical_step();
+  double camera_gradient_step() const;
+
+  BundleOptions options_;
+  Layout layout_;
+  std::vector<CoordinateMask> held_;  // (L,) in the landmarks' order, or empty
+  CameraBlocks cameras_;
+  ThreadPool pool_;
+
+  std::vector<double> X_, X_trial_;  // (L, 3)
+  std::vector<ObservationJacobian> J_;
+  std::vector<LandmarkBlock> landmark_blocks_;
+  std::vector<LandmarkFactor> landmark_factors_;
+  std::vector<double> landmark_scales_;                 // (L, 3)
+  std::vector<std::vector<CameraSums>> chunk_cameras_;  // (G, C)
+  std::vector<CameraSums> camera_sums_;
+  std::vector<double> chunk_costs_;
+  std::vector<TrialSums> chunk_trials_;
+  std::vector<std::vector<double>> chunk_scratch_;
+
+  std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns
+  std::vector<double> delta_;                                                        // user columns
+  std::vector<double> canonical_delta_;                                              // (C, kRow)
+  SchurSystem schur_;
+  bool has_scales_ = false;
+};
+
+}  // namespace raylign::native

@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/bundle/native/kernels.h"
+
+#include <gtest/gtest.h>
+
+#include "bundle/reference.h"
+#include "raylign/bundle/native/camera_blocks.h"
+#include "raylign/bundle/native/layout.h"
+#include "support/eigen_matchers.h"
+#include "support/numeric_jacobian.h"
+#include "support/small_problem.h"
+
+namespace raylign::native {
+namespace {
+
+using test::is_near;
+using test::is_relatively_near;
+using test::reference_observation;
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+using Block9 = Eigen::Map<const Eigen::Matrix<double, 9, kRow, Eigen::RowMajor>>;
+
+// A small problem, its packets, and the linearisation by the kernels.
+struct Fixture {
+  BalProblem problem = test::small_problem();
+  Loss loss;
+  Layout layout{problem};
+  CameraBlocks cameras{problem, PoseParametrization::SE3, resolve_constants(problem, {}),
+                       layout.observed};
+  std::vector<double> X;
+  std::vector<ObservationJacobian> J{static_cast<std::size_t>(layout.num_observations())};
+  std::vector<LandmarkBlock> blocks{static_cast<std::size_t>(layout.num_landmarks())};
+  std::vector<CameraSums> sums{static_cast<std::size_t>(layout.num_cameras), CameraSums{}};
+  double cost = 0.0;
+
+  explicit Fixture(Loss law) : loss(law) {
+    for (const std::int32_t p : layout.points) {
+      for (int k = 0; k < 3; ++k) X.push_back(problem.points(p, k));
+    }
+    cost = linearize(observations(), 0, layout.num_landmarks(), cameras.packets(), X.data(), &loss,
+                     J.data(), blocks.data(), sums.data());
+  }
+  Observations observations() const {
+    return {layout.starts.data(), layout.camera.data(), layout.uv.data()};
+  }
+  Vector3 point(std::int64_t j) const { return Eigen::Map<const Vector3>(X.data() + 3 * j); }
+  Vector2 uv(std::int64_t q) const { return Eigen::Map<const Vector2>(layout.uv.data() + 2 * q); }
+};
+
+class Kernels : public testing::TestWithParam<LossType> {};
+
+TEST_P(Kernels, LinearizationEqualsItsScalarTwin) {
+  const Fixture s({GetParam(), 20.0});
+  double cost = 0.0;
+  std::vector<Eigen::Matrix<double, 9, 9>> U(s.layout.num_cameras,
+                                             Eigen::Matrix<double, 9, 9>::Zero());
+  std::vector<Vector9> g(s.layout.num_cameras, Vector9::Zero());
+  for (std::int64_t j = 0; j < s.layout.num_landmarks(); ++j) {
+    Matrix3 H = Matrix3::Zero();
+    Vector3 g_j = Vector3::Zero();
+    for (auto q = s.layout.starts[j]; q < s.layout.starts[j + 1]; ++q) {
+      const std::int32_t i = s.layout.camera[q];
+      const auto twin = reference_observation(s.cameras.packets()[i], s.point(j), s.uv(q), s.loss);
+      cost += twin.cost;
+      U[i] += twin.F.transpose() * twin.F;
+      g[i] += twin.F.transpose() * twin.r;
+      H += twin.A.transpose() * twin.A;
+      g_j += twin.A.transpose() * twin.r;
+      EXPECT_TRUE(is_relatively_near(Eigen::Map<const RowMajor<2, 3>>(s.J[q].A), twin.A, 1e-12));
+      EXPECT_TRUE(is_relatively_near(Eigen::Map<const RowMajor<2, 3>>(s.J[q].I),
+                                     twin.F.rightCols<3>(), 1e-12));
+    }
+    Vector6 packed;
+    packed << H(0, 0), H(0, 1), H(0, 2), H(1, 1), H(1, 2), H(2, 2);
+    EXPECT_TRUE(is_relatively_near(Eigen::Map<const Vector6>(s.blocks[j].H), packed, 1e-12));
+    EXPECT_TRUE(is_relatively_near(Eigen::Map<const Vector3>(s.blocks[j].g), g_j, 1e-11));
+  }
+  EXPECT_NEAR(s.cost, cost, 1e-12 * cost);
+  for (std::int32_t i = 0; i < s.layout.num_cameras; ++i) {
+    EXPECT_TRUE(is_relatively_near(Block9(s.sums[i].U.values).leftCols<9>(), U[i], 1e-12));
+    EXPECT_TRUE(is_relatively_near(Eigen::Map<const Vector9>(s.sums[i].g), g[i], 1e-11));
+    EXPECT_TRUE(Block9(s.sums[i].U.values).rightCols<3>().isZero(0.0));  // the padding
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Losses,
+    Kernels,
+    testing::Values(LossType::TRIVIAL, LossType::HUBER, LossType::CAUCHY, LossType::TUKEY),
+    [](const auto& instance) { return to_string(instance.param); });
+
+// The canonical tangent against numeric differentiation of the residual itself.
+TEST(CanonicalTangent, JacobianIsTheDerivativeAlongIt) {
+  const Fixture s(Loss{});
+  for (std::int64_t q = 0; q < s.layout.num_observations(); q += 7) {
+    const std::int64_t j = q / s.layout.num_cameras;  // every camera sees every point
+    const CameraPacket& camera = s.cameras.packets()[s.layout.camera[q]];
+    const Matrix3 R = Eigen::Map<const RowMajor<3, 3>>(camera.R);
+    const Vector3 c = Eigen::Map<const Vector3>(camera.c);
+    const auto moved = [&](const Vector9& d) {
+      Vector2 r;
+      reprojection_residual(R * so3_exp(d.head<3>()) * (s.point(j) - c - d.segment<3>(3)),
+                            Eigen::Map<const Vector3>(camera.intrinsics) + d.tail<3>(), s.uv(q), r);
+      return r;
+    };
+    const auto twin = reference_observation(camera, s.point(j), s.uv(q), Loss{});
+    const test::Rows9 numeric = test::numeric_jacobian(moved, Vector9(Vector9::Zero()));
+    EXPECT_TRUE(is_relatively_near(twin.F, numeric, 1e-8));
+  }
+}
+
+TEST(FoldBlock, IsTheTripleProduct) {
+  auto rng = test::make_rng("fold block");
+  Block M{};
+  Block B_i{};
+  Block B_k{};
+  for (Block* block : {&M, &B_i, &B_k}) {
+    for (int k = 0; k < kBlock; ++k) block->values[k] = k % kRow < 9 ? rng.normal() : 0.0;
+  }
+  Eigen::Matrix<double, 4, 7, Eigen::RowMajor> out;
+  fold_block(M, B_i, B_k, 4, 7, out.data(), 7);
+  const auto square = [](const Block& block) { return Block9(block.values).leftCols<9>().eval(); };
+  const auto expected = (square(B_i).transpose() * square(M) * square(B_k)).eval();
+  EXPECT_TRUE(is_near(out, expected.topLeftCorner<4, 7>(), 1e-12));
+}
+
+TEST(Layout, WalksLandmarksByLowestCameraAndObservationsByCamera) {
+  BalProblem problem;
+  problem.cameras.setZero(3, 9);
+  problem.points.setZero(4, 3);
+  problem.camera_index.resize(6);
+  problem.point_index.resize(6);
+  problem.observations.resize(6, 2);
+  problem.camera_index << 2, 1, 2, 0, 1, 2;
+  problem.point_index << 0, 0, 3, 3, 3, 3;
+  for (int i = 0; i < 6; ++i) problem.observations.row(i) << i, -i;
+  const Layout layout(problem);
+  EXPECT_EQ(layout.points, (std::vector<std::int32_t>{3, 0}));
+  EXPECT_EQ(layout.starts, (std::vector<std::int64_t>{0, 4, 6}));
+  EXPECT_EQ(layout.camera, (std::vector<std::int32_t>{0, 1, 2, 2, 1, 2}));
+  EXPECT_EQ(layout.uv, (std::vector<double>{3, -3, 4, -4, 2, -2, 5, -5, 1, -1, 0, 0}));
+  EXPECT_EQ(layout.observed, (std::vector<bool>{true, true, true}));
+  EXPECT_EQ(layout.max_track_length(), 4);
+}
+
+TEST(Layout, ChunksCoverAllLandmarksOnce) {
+  const Layout layout(test::small_problem(6, 5000));
+  EXPECT_GT(layout.num_chunks(), 1);
+  EXPECT_EQ(layout.chunks.front(), 0);
+  EXPECT_EQ(layout.chunks.back(), layout.num_landmarks());
+  EXPECT_TRUE(std::is_sorted(layout.chunks.begin(), layout.chunks.end()));
+}
+
+}  // namespace
+}  // namespace raylign::native
