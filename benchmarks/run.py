@@ -159,15 +159,16 @@ def time_to_cost(row: dict, target: float) -> float:
 def bench_native(folder: Path, repeats: int, console: Console) -> list[dict]:
     """The native engine against Ceres, autodiff and analytic: dense_schur, one thread."""
     table = Table(
-        title="Native engine, dense_schur, 1 thread, angle_axis: medians, ratios pair by pair"
+        title="Native engine, dense_schur, 1 thread, angle_axis: ns per observation and iteration, "
+        "ms to 0.1 % above the best cost; ratios pair by pair"
     )
     for column in (
         "problem",
-        "ns/observation/iteration: autodiff",
+        "ns/obs: autodiff",
         "analytic",
         "native",
         "ratios",
-        "ms to 0.1 % of the best cost: autodiff",
+        "ms to 0.1 %: autodiff",
         "analytic",
         "native",
         "ratios",
@@ -176,6 +177,8 @@ def bench_native(folder: Path, repeats: int, console: Console) -> list[dict]:
     systems = ("ceres_autodiff", "raylign_ceres", "raylign_native")
     results = []
     for path in bal_files():
+        if path.name.startswith("street"):
+            continue  # its outliers keep least squares from converging: no time to a cost
         rows = run_bal_program(folder, path, "--tight", "--repeats", str(repeats))
         best = min(row["final_cost"] for row in rows)
         for row in rows:
@@ -195,7 +198,7 @@ def bench_native(folder: Path, repeats: int, console: Console) -> list[dict]:
             result["ratios"][field] = dict(zip(systems[:2], ratios, strict=True))
             cells += [f"{unit * m:.0f}" if unit == 1 else f"{unit * m:.1f}" for m in medians]
             cells.append(" / ".join(f"{r:.1f}" for r in ratios))
-        table.add_row(path.name, *cells)
+        table.add_row(short_name(path), *cells)
         results.append({**result, "rows": rows})
     console.print(table)
     return results
