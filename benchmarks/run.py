@@ -257,6 +257,14 @@ def bench_reading(repeats: int, console: Console) -> list[dict]:
     return results
 
 
+def drop_traces(results: dict) -> None:
+    """Forget the cost of every iteration: megabytes, and their summary is kept."""
+    for group in results.values():
+        for result in group if isinstance(group, list) else []:
+            for row in result.get("rows", []):
+                row.pop("trace", None)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -281,6 +289,7 @@ def main() -> int:
     }
     chosen = [arguments.only] if arguments.only else list(benchmarks)
     results = {name: benchmarks[name]() for name in chosen}
+    drop_traces(results)
     RESULTS.mkdir(exist_ok=True)
     target = RESULTS / f"bal_{facts['date'][:10]}.json"
     target.write_text(json.dumps({"machine": facts, "results": results}, indent=1) + "\n")
