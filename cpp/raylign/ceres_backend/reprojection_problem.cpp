@@ -33,7 +33,6 @@ std::vector<int> held_offsets(const CoordinateMask& mask) {
   return offsets;
 }
 
-bool all_held(const CoordinateMask& mask) { return mask[0] && mask[1] && mask[2]; }
 bool none_held(const CoordinateMask& mask) { return !(mask[0] || mask[1] || mask[2]); }
 
 void check_point_constants(const Constants& held, PointParametrization parametrization) {
@@ -120,7 +119,7 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
       double* pose = state_.pose(c);
       if (!ceres_->HasParameterBlock(pose)) continue;
       const PoseMask& mask = held_.poses[c];
-      if (mask.rotation && all_held(mask.translation)) {
+      if (mask.all()) {
         ceres_->SetParameterBlockConstant(pose);
       } else if (mask.any()) {
         ceres_->SetManifold(pose, pose_manifold(mask));

@@ -14,15 +14,15 @@ namespace raylign {
 
 using CoordinateMask = std::array<bool, 3>;
 
+inline bool all_held(const CoordinateMask& mask) { return mask[0] && mask[1] && mask[2]; }
+
 /// BundleConfig and gauge spelled out per camera and point.
 struct Constants {
   std::vector<PoseMask> poses;             ///< (C,)
   std::vector<CoordinateMask> intrinsics;  ///< (C,)
   std::vector<CoordinateMask> points;      ///< (P,), or empty when no point is held
 
-  bool holds_point(std::int64_t p) const {
-    return !points.empty() && points[p][0] && points[p][1] && points[p][2];
-  }
+  bool holds_point(std::int64_t p) const { return !points.empty() && all_held(points[p]); }
 };
 
 /// Cameras without observations do not serve as gauge cameras.
