@@ -4,17 +4,8 @@
 
 #include <cmath>
 
+#include "raylign/base/clones.h"
 #include "raylign/camera/bearing.h"
-
-// One body, three instruction sets, chosen by the loader (AVX2 + FMA: x86-64-v3, AVX-512: v4). The
-// sanitizers' start-up does not survive GCC's ifunc resolvers.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define RAYLIGN_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define RAYLIGN_CLONES
-#endif
-#define RAYLIGN_INLINE __attribute__((always_inline)) static inline
 
 namespace raylign::native {
 namespace {
