@@ -12,6 +12,7 @@ void bind_build_info(pybind11::module_& m);
 void bind_geometry(pybind11::module_& m);
 void bind_camera(pybind11::module_& m);
 void bind_image(pybind11::module_& m);
+void bind_depth(pybind11::module_& m);
 void bind_robust(pybind11::module_& m);
 void bind_solver(pybind11::module_& m);
 void bind_scene(pybind11::module_& m);

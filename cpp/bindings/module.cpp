@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, m) {
   rp::bind_geometry(m);
   rp::bind_camera(m);
   rp::bind_image(m);
+  rp::bind_depth(m);
   rp::bind_robust(m);
   rp::bind_solver(m);
   rp::bind_scene(m);

@@ -10,7 +10,7 @@ True
 from importlib import import_module
 from types import ModuleType
 
-from raylign import bundle, camera, errors, geometry, image, io, robust, scene, synthetic
+from raylign import bundle, camera, depth, errors, geometry, image, io, robust, scene, synthetic
 from raylign._core import __version__
 from raylign.bundle import BundleConfig, BundleOptions, LinearSolverOptions, LmOptions, Termination
 from raylign.errors import Error, FormatError, OptionsError, ShapeError
@@ -33,6 +33,7 @@ __all__ = [
     "__version__",
     "bundle",
     "camera",
+    "depth",
     "errors",
     "geometry",
     "image",

@@ -174,6 +174,55 @@ def remap(
     image: object, map_x: object, map_y: object, *, interpolation: Interpolation
 ) -> NDArray[Any]: ...
 
+class DepthNoise(enum.Enum):
+    KINECT = 0
+    DISPARITY = 1
+    TIME_OF_FLIGHT = 2
+    CONSTANT = 3
+
+class DepthModel:
+    __fields__: ClassVar[tuple[str, ...]]
+    noise: DepthNoise
+    sigma: float
+    focal_baseline: float
+    min_depth: float
+    max_depth: float
+    edge_ratio: float
+    edge_radius: int
+    def __init__(
+        self,
+        *,
+        noise: DepthNoise | str = ...,
+        sigma: float = ...,
+        focal_baseline: float = ...,
+        min_depth: float = ...,
+        max_depth: float = ...,
+        edge_ratio: float = ...,
+        edge_radius: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        noise: DepthNoise | str = ...,
+        sigma: float = ...,
+        focal_baseline: float = ...,
+        min_depth: float = ...,
+        max_depth: float = ...,
+        edge_ratio: float = ...,
+        edge_radius: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def inverse_depth_sigma(self, depth: object) -> NDArray[np.float64]: ...
+
+def inverse_depth(depth: object, *, model: DepthModel, depth_scale: float) -> tuple[Any, ...]: ...
+
 class LossType(enum.Enum):
     TRIVIAL = 0
     HUBER = 1

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "raylign/depth/depth_model.h"
+#include "raylign/image/image_view.h"
+
+namespace raylign {
+
+/// Turns the depth images of a sensor into what a tracker reads: inverse depth D (1/m) and its
+/// variance V (1/m²), both 0 where there is no trusted depth. Keeps its buffers from one image to
+/// the next.
+class InverseDepthConverter {
+ public:
+  /// Throws OptionsError.
+  explicit InverseDepthConverter(const DepthModel& model);
+
+  /// @param depth  one channel: FLOAT32 in m, or UINT16 in units of 1/depth_scale m (`depth_scale`
+  ///               5000 for TUM, 1000 for mm). 0, 65535, NaN, infinite and out of range: no depth.
+  /// @param D, V   (height, width) row-major, written whole.
+  /// Throws ShapeError for another pixel type or number of channels, OptionsError for depth_scale
+  /// not > 0.
+  void convert(const ImageView& depth, double depth_scale, float* D, float* V);
+
+  const DepthModel& model() const { return model_; }
+
+ private:
+  void invert(const ImageView& depth, double depth_scale, float* D) const;
+  void remove_edges(int width, int height, float* D);
+
+  DepthModel model_;
+  std::vector<float> low_, high_, low_row_, high_row_;
+};
+
+}  // namespace raylign

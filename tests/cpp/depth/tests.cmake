@@ -1,0 +1,1 @@
+raylign_add_test(depth inverse_depth_test.cpp)
