@@ -19,6 +19,13 @@ struct LmState {
   double gradient_max_norm = -1.0;  ///< max |Jᵀr|
 };
 
+/// What a problem says about the linear system it has just solved.
+struct LmSolve {
+  bool solved = false;       ///< there is a finite step
+  int iterations = 1;        ///< of an iterative solver; 1 for a factorisation
+  bool interrupted = false;  ///< not solved because the problem was told to stop
+};
+
 /// What a problem says about the step it has just tried.
 struct LmTrial {
   double cost = -1.0;            ///< at the trial state; not finite: the step is invalid
@@ -43,7 +50,7 @@ inline double lm_column_scale(double squared_column_norm, const LmOptions& optio
 /// Madsen, Nielsen, Tingleff 2004, §3.2), λ = 1 / radius. `Problem` is any class with
 ///
 ///   LmState linearize();          // at the current state; called at the start and after `accept`
-///   bool solve(double lambda);    // a step for this damping; false: there is no finite one
+///   LmSolve solve(double lambda); // a step for this damping
 ///   LmTrial try_step();           // current state plus step, kept beside the current state
 ///   void accept();                // the trial state becomes the current one
 ///
@@ -79,6 +86,7 @@ class LmLoop {
  private:
   static constexpr double kShrinkLimit = 1.0 / 3.0;
   static constexpr int kMaxReservedRows = 1000;
+  static constexpr const char* kTimeLimit = "max_solver_time_s reached";
 
   void start() {
     summary_.iterations.reserve(std::min(options_.max_num_iterations, kMaxReservedRows) + 1);
@@ -91,9 +99,10 @@ class LmLoop {
 
   void iterate() {
     begin_row(row_.iteration + 1);
-    const bool solved = solve();
-    const LmTrial trial = solved ? try_step() : LmTrial{};
-    row_.step_is_valid = solved && std::isfinite(trial.cost) && trial.model_decrease > 0.0;
+    const LmSolve step = solve();
+    if (step.interrupted) return stop_inside();
+    const LmTrial trial = step.solved ? try_step() : LmTrial{};
+    row_.step_is_valid = step.solved && std::isfinite(trial.cost) && trial.model_decrease > 0.0;
     if (!row_.step_is_valid) return reject_invalid_step();
     num_consecutive_invalid_ = 0;
     row_.cost_change = state_.cost - trial.cost;
@@ -125,13 +134,21 @@ class LmLoop {
     summary_.jacobian_time_s += watch.seconds();
   }
 
-  bool solve() {
+  LmSolve solve() {
     const Stopwatch watch;
-    const bool solved = problem_.solve(lambda_);
-    row_.linear_solver_iterations = 1;
+    const LmSolve step = problem_.solve(lambda_);
+    row_.linear_solver_iterations = step.iterations;
     row_.linear_solver_time_s = watch.seconds();
     summary_.linear_solver_time_s += row_.linear_solver_time_s;
-    return solved;
+    return step;
+  }
+
+  void stop_inside() {
+    if (clock_.seconds() >= options_.max_solver_time_s) {
+      finish(Termination::TIME_LIMIT, kTimeLimit);
+    } else {
+      finish(Termination::USER_STOPPED, "interrupted inside the linear solver");
+    }
   }
 
   LmTrial try_step() {
@@ -204,7 +221,7 @@ class LmLoop {
     if (stop) {
       finish(Termination::USER_STOPPED, "the callback asked to stop");
     } else if (row_.cumulative_time_s >= options_.max_solver_time_s) {
-      finish(Termination::TIME_LIMIT, "max_solver_time_s reached");
+      finish(Termination::TIME_LIMIT, kTimeLimit);
     } else if (row_.iteration >= options_.max_num_iterations) {
       finish(Termination::MAX_ITERATIONS, "max_num_iterations reached");
     } else if (state_.gradient_max_norm <= options_.gradient_tolerance) {

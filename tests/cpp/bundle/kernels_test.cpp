@@ -7,6 +7,7 @@
 #include "bundle/reference.h"
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/schur_kernels.h"
 #include "support/eigen_matchers.h"
 #include "support/numeric_jacobian.h"
 #include "support/small_problem.h"

@@ -83,15 +83,13 @@ TEST_P(Schur, SystemEqualsDenseElimination) {
         H.topRightCorner(n, m) * H_ll.solve(Eigen::MatrixXd(H.bottomLeftCorner(m, n)));
     const Eigen::VectorXd b =
         -g.head(n) + H.topRightCorner(n, m) * H_ll.solve(Eigen::VectorXd(g.tail(m)));
-    Eigen::MatrixXd ours = Eigen::Map<const Eigen::MatrixXd>(native_.schur().matrix().data(), n, n)
-                               .triangularView<Eigen::Lower>();
-    ours.triangularView<Eigen::StrictlyUpper>() = ours.transpose();
+    const Eigen::MatrixXd ours = test::dense_schur(native_.schur());
+    Eigen::VectorXd rhs(n);
+    native_.schur().copy_rhs(rhs.data());
     // columns have very different units: compare correlations, not numbers
     const Eigen::VectorXd scale = S.diagonal().cwiseSqrt().cwiseInverse();
     EXPECT_LT((scale.asDiagonal() * (ours - S) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-10);
-    EXPECT_TRUE(is_relatively_near(
-        scale.asDiagonal() * Eigen::Map<const Eigen::VectorXd>(native_.schur().rhs().data(), n),
-        scale.asDiagonal() * b, 1e-10));
+    EXPECT_TRUE(is_relatively_near(scale.asDiagonal() * rhs, scale.asDiagonal() * b, 1e-10));
   }
 }
 
@@ -99,7 +97,7 @@ TEST_P(Schur, StepEqualsDenseQrOfTheAugmentedSystem) {
   native_.linearize();
   double trial_cost = -1.0;
   for (const double lambda : {1e-4, 1e-2, 1.0}) {
-    ASSERT_TRUE(native_.solve(lambda));
+    ASSERT_TRUE(native_.solve(lambda).solved);
     const LmTrial trial = native_.try_step();
     const Eigen::VectorXd step = dense_.step(lambda, options_.lm);
     const Eigen::Index n = native_.cameras().num_columns();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "raylign/bundle/bundle_adjuster.h"
-#include "raylign/bundle/native/kernels.h"
+#include "raylign/bundle/native/schur_system.h"
 #include "raylign/geometry/so3.h"
 #include "raylign/residuals/reprojection.h"
 #include "raylign/solver/lm.h"
@@ -42,6 +42,24 @@ inline ReferenceObservation reference_observation(const native::CameraPacket& ca
   out.A = weight * J_p * R;
   out.F << -out.A * so3_hat(a), -out.A, weight * J_intrinsics;
   return out;
+}
+
+/// S of the native engine as one matrix over the free columns.
+inline Eigen::MatrixXd dense_schur(const native::SchurSystem& system) {
+  using RowMajorBlock = Eigen::Matrix<double, 9, native::kRow, Eigen::RowMajor>;
+  const native::SchurPattern& pattern = system.pattern();
+  const native::CameraBlocks& cameras = system.cameras();
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(cameras.num_columns(), cameras.num_columns());
+  for (int i = 0; i < cameras.num_cameras(); ++i) {
+    for (auto b = pattern.starts[i]; b < pattern.starts[i + 1]; ++b) {
+      const int k = pattern.columns[b];
+      const Eigen::Map<const RowMajorBlock> values(system.blocks()[b].values);
+      const auto block = values.topLeftCorner(cameras.size(i), cameras.size(k));
+      S.block(cameras.offset(i), cameras.offset(k), block.rows(), block.cols()) = block;
+      S.block(cameras.offset(k), cameras.offset(i), block.cols(), block.rows()) = block.transpose();
+    }
+  }
+  return S;
 }
 
 /// The whole linear system, dense, from the Jacobian of the Ceres path: JᵀJ and Jᵀr over all free

@@ -38,12 +38,12 @@ class DenseProblem {
     return {0.5 * r_.squaredNorm(), (J_.transpose() * r_).cwiseAbs().maxCoeff()};
   }
 
-  bool solve(double lambda) {
-    if (!solvable(num_solves++)) return false;
+  LmSolve solve(double lambda) {
+    if (!solvable(num_solves++)) return {false};
     MatrixXd H = J_.transpose() * J_;
     for (int k = 0; k < H.rows(); ++k) H(k, k) += lambda * lm_damping(H(k, k), scale_[k], options);
     step_ = -H.ldlt().solve(J_.transpose() * r_);
-    return step_.allFinite();
+    return {step_.allFinite()};
   }
 
   LmTrial try_step() {

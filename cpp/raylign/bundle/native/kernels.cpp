@@ -5,28 +5,11 @@
 #include <cmath>
 
 #include "raylign/base/clones.h"
+#include "raylign/bundle/native/kernel_math.h"
 #include "raylign/camera/bearing.h"
 
 namespace raylign::native {
 namespace {
-
-// Four lanes of a padded row. GCC leaves loops of twelve scalar; as a vector type they become AVX
-// where the clone has it, and pairs of SSE2 where not.
-typedef double Lanes __attribute__((vector_size(32), may_alias));
-constexpr int kLanes = kRow / 4;
-
-RAYLIGN_INLINE Lanes* lanes(double* row) { return reinterpret_cast<Lanes*>(row); }
-RAYLIGN_INLINE const Lanes* lanes(const double* row) { return reinterpret_cast<const Lanes*>(row); }
-
-RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-RAYLIGN_INLINE double dot3(const double* a, const double* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 // P = R X + t.
 RAYLIGN_INLINE void transform(const CameraPacket& camera, const double* X, double* P) {
@@ -92,22 +75,6 @@ RAYLIGN_INLINE double apply_loss(const Loss& loss, double s, ObservationJacobian
   return value.rho;
 }
 
-// The two rows of F = [a × A | −A | I], padded with zeros.
-RAYLIGN_INLINE void camera_rows(const ObservationJacobian& J,
-                                const double* X,
-                                const double* c,
-                                double* __restrict F) {
-  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
-  for (int row = 0; row < 2; ++row) {
-    double* f = F + row * kRow;
-    const double* A = J.A + 3 * row;
-    cross(a, A, f);
-    for (int k = 0; k < 3; ++k) f[3 + k] = -A[k];
-    for (int k = 0; k < 3; ++k) f[6 + k] = J.I[3 * row + k];
-    for (int k = 9; k < kRow; ++k) f[k] = 0.0;
-  }
-}
-
 RAYLIGN_INLINE void add_landmark(const double* A, const double* r, LandmarkBlock& block) {
   const double* b = A + 3;
   block.H[0] += A[0] * A[0] + b[0] * b[0];
@@ -128,54 +95,6 @@ RAYLIGN_INLINE void add_camera(const double* F, const double* r, CameraSums& sum
   }
   Lanes* g = lanes(sums.g);
   for (int v = 0; v < kLanes; ++v) g[v] += r[0] * f0[v] + r[1] * f1[v];
-}
-
-// y = Wᵀ x and y = W x for the upper triangle W = (xx, xy, xz, yy, yz, zz).
-RAYLIGN_INLINE void multiply_transposed(const double* W, const double* x, double* y) {
-  y[0] = W[0] * x[0];
-  y[1] = W[1] * x[0] + W[3] * x[1];
-  y[2] = W[2] * x[0] + W[4] * x[1] + W[5] * x[2];
-}
-
-RAYLIGN_INLINE void multiply(const double* W, const double* x, double* y) {
-  y[0] = W[0] * x[0] + W[1] * x[1] + W[2] * x[2];
-  y[1] = W[3] * x[1] + W[4] * x[2];
-  y[2] = W[5] * x[2];
-}
-
-// Zᵀ = (A W)ᵀ F.
-RAYLIGN_INLINE void eliminate(const ObservationJacobian& J,
-                              const double* W,
-                              const double* F,
-                              Elimination& out) {
-  double E[2][3];
-  multiply_transposed(W, J.A, E[0]);
-  multiply_transposed(W, J.A + 3, E[1]);
-  for (int m = 0; m < 3; ++m) {
-    Lanes* Z = lanes(out.Z + m * kRow);
-    for (int v = 0; v < kLanes; ++v) {
-      Z[v] = E[0][m] * lanes(F)[v] + E[1][m] * lanes(F + kRow)[v];
-    }
-  }
-}
-
-// S −= Z_i Z_kᵀ: the innermost loop of bundle adjustment.
-RAYLIGN_INLINE void subtract_product(const Elimination& Z_i, const Elimination& Z_k, Block& S) {
-  Lanes z[3][kLanes];
-  for (int m = 0; m < 3; ++m) {
-    for (int v = 0; v < kLanes; ++v) z[m][v] = lanes(Z_k.Z + m * kRow)[v];
-  }
-  for (int row = 0; row < 9; ++row) {
-    const double* w = Z_i.Z + row;
-    Lanes* out = lanes(S.values + row * kRow);
-    for (int v = 0; v < kLanes; ++v) {
-      Lanes sum = out[v];  // one after the other: three fused multiply-subtracts
-      sum -= w[0] * z[0][v];
-      sum -= w[kRow] * z[1][v];
-      sum -= w[2 * kRow] * z[2][v];
-      out[v] = sum;
-    }
-  }
 }
 
 }  // namespace
@@ -213,82 +132,6 @@ RAYLIGN_CLONES double linearize(const Observations& observations,
     blocks[j] = block;
   }
   return 0.5 * cost;
-}
-
-RAYLIGN_CLONES void subtract_landmarks(const Observations& observations,
-                                       std::int64_t num_landmarks,
-                                       const CameraPacket* packets,
-                                       const double* X,
-                                       const ObservationJacobian* J,
-                                       const LandmarkBlock* blocks,
-                                       const LandmarkFactor* factors,
-                                       std::int32_t row_begin,
-                                       std::int32_t row_end,
-                                       const SchurBlocks& S,
-                                       Elimination* scratch,
-                                       std::int32_t* ids) {
-  for (std::int64_t j = 0; j < num_landmarks; ++j) {
-    const std::int64_t first = observations.starts[j];
-    const std::int64_t last = observations.starts[j + 1];
-    if (observations.camera[first] >= row_end || observations.camera[last - 1] < row_begin)
-      continue;
-    const double* W = factors[j].W;
-    double y[3];
-    multiply_transposed(W, blocks[j].g, y);
-    int count = 0;
-    for (std::int64_t q = first; q < last; ++q) {
-      const std::int32_t i = observations.camera[q];
-      if (i < row_begin || S.active[i] == 0) continue;
-      alignas(32) double F[2 * kRow];
-      camera_rows(J[q], X + 3 * j, packets[i].c, F);
-      const double* Z = scratch[count].Z;
-      eliminate(J[q], W, F, scratch[count]);
-      ids[count++] = i;
-      if (i >= row_end) continue;
-      double* rhs = S.rhs + std::int64_t{i} * kRow;
-      for (int k = 0; k < 9; ++k)
-        rhs[k] += Z[k] * y[0] + Z[kRow + k] * y[1] + Z[2 * kRow + k] * y[2];
-    }
-    for (int a = 0; a < count && ids[a] < row_end; ++a) {
-      const std::int64_t* index = S.index + std::int64_t{ids[a]} * S.num_cameras;
-      for (int b = a; b < count; ++b) {
-        Block& block = S.blocks[index[ids[b]]];
-        subtract_product(scratch[a], scratch[b], block);
-        // the same camera twice in a track: both orders fall into one block
-        if (a != b && ids[a] == ids[b]) subtract_product(scratch[b], scratch[a], block);
-      }
-    }
-  }
-}
-
-RAYLIGN_CLONES void fold_block(const Block& M,
-                               const Block& B_i,
-                               const Block& B_k,
-                               int rows,
-                               int columns,
-                               double* out,
-                               std::int64_t stride) {
-  Block P;
-  for (int row = 0; row < 9; ++row) {
-    Lanes sum[kLanes] = {};
-    for (int m = 0; m < 9; ++m) {
-      for (int v = 0; v < kLanes; ++v) {
-        sum[v] += M.values[row * kRow + m] * lanes(B_k.values + m * kRow)[v];
-      }
-    }
-    for (int v = 0; v < kLanes; ++v) lanes(P.values + row * kRow)[v] = sum[v];
-  }
-  for (int a = 0; a < rows; ++a) {
-    alignas(32) double Q[kRow];
-    Lanes sum[kLanes] = {};
-    for (int row = 0; row < 9; ++row) {
-      for (int v = 0; v < kLanes; ++v) {
-        sum[v] += B_i.values[row * kRow + a] * lanes(P.values + row * kRow)[v];
-      }
-    }
-    for (int v = 0; v < kLanes; ++v) lanes(Q)[v] = sum[v];
-    for (int k = 0; k < columns; ++k) out[a * stride + k] = Q[k];
-  }
 }
 
 RAYLIGN_CLONES TrialSums try_landmarks(const Observations& observations,

@@ -24,11 +24,6 @@ struct alignas(32) Block {
   double values[kBlock];
 };
 
-/// Zᵀ of one observation: three rows of kRow.
-struct alignas(32) Elimination {
-  double Z[3 * kRow];
-};
-
 /// A camera as the kernels read it; R_cw by rows, c = −Rᵀt.
 struct CameraPacket {
   double R[9];
@@ -80,41 +75,6 @@ double linearize(const Observations& observations,
                  ObservationJacobian* J,
                  LandmarkBlock* blocks,
                  CameraSums* cameras);
-
-/// The block-sparse upper triangle of S, in the canonical tangent.
-struct SchurBlocks {
-  std::int32_t num_cameras;
-  const std::int64_t* index;    ///< (C·C,) block of the pair i <= k, −1: none
-  const unsigned char* active;  ///< (C,) 0: the camera does not move
-  Block* blocks;
-  double* rhs;  ///< (C, kRow)
-};
-
-/// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ A
-/// W. Each block is summed in the order of the landmarks, whatever the rows of the call. `scratch`:
-/// (max_track_length, 3·kRow) and `ids` (max_track_length,), one per thread.
-void subtract_landmarks(const Observations& observations,
-                        std::int64_t num_landmarks,
-                        const CameraPacket* packets,
-                        const double* X,
-                        const ObservationJacobian* J,
-                        const LandmarkBlock* blocks,
-                        const LandmarkFactor* factors,
-                        std::int32_t row_begin,
-                        std::int32_t row_end,
-                        const SchurBlocks& S,
-                        Elimination* scratch,
-                        std::int32_t* ids);
-
-/// out[a][b] = (B_iᵀ M B_k)[a][b] for a < rows, b < columns; row a starts at out + a · stride. M
-/// and B are blocks.
-void fold_block(const Block& M,
-                const Block& B_i,
-                const Block& B_k,
-                int rows,
-                int columns,
-                double* out,
-                std::int64_t stride);
 
 /// Sums over landmarks of what the loop wants to know of a step.
 struct TrialSums {

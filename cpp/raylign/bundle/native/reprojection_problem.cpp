@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "raylign/bundle/native/dense_cholesky.h"
+
 namespace raylign::native {
 namespace {
 
@@ -26,7 +28,8 @@ ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
       held_(landmark_masks(layout_, held)),
       cameras_(problem, options.pose_parametrization, held, layout_.observed),
       pool_(options.lm.num_threads),
-      schur_(layout_, cameras_, options.lm.num_threads) {
+      schur_(layout_, cameras_, options.lm.num_threads),
+      solver_(std::make_unique<DenseCholesky>(schur_)) {
   const std::int64_t num_landmarks = layout_.num_landmarks();
   X_.resize(3 * num_landmarks);
   for (std::int64_t j = 0; j < num_landmarks; ++j) {
@@ -186,9 +189,9 @@ void ReprojectionProblem::form_schur(double lambda) {
               landmark_factors_.data(), camera_sums_, damping_, pool_);
 }
 
-bool ReprojectionProblem::solve(double lambda) {
+LmSolve ReprojectionProblem::solve(double lambda) {
   form_schur(lambda);
-  return schur_.solve(delta_);
+  return solver_->solve(delta_.data());
 }
 
 void ReprojectionProblem::set_canonical_step() {

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "raylign/base/thread_pool.h"
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/linear_solver.h"
 #include "raylign/bundle/native/schur_system.h"
 #include "raylign/parametrization/constants.h"
 #include "raylign/scene/bal_problem.h"
@@ -18,7 +20,7 @@
 namespace raylign::native {
 
 /// A BAL problem as the Levenberg-Marquardt loop sees it (solver/lm.h): XYZ points, landmarks
-/// eliminated, dense S. Nothing is allocated after construction.
+/// eliminated. Nothing is allocated after construction.
 class ReprojectionProblem {
  public:
   /// `problem` must be valid, with finite residuals; it is read here and not kept.
@@ -27,7 +29,7 @@ class ReprojectionProblem {
                       const BundleOptions& options);
 
   LmState linearize();
-  bool solve(double lambda);
+  LmSolve solve(double lambda);
   LmTrial try_step();
   void accept();
 
@@ -35,7 +37,7 @@ class ReprojectionProblem {
   void write_back(BalProblem& problem) const;
 
   int num_effective_parameters() const;
-  /// The reduced system of the last `solve`, for tests; its matrix holds the factor.
+  /// The reduced system of the last `solve`, for tests.
   const SchurSystem& schur() const { return schur_; }
   /// Steps of the last `solve` and `try_step`: cameras' free columns, then landmark by landmark.
   const std::vector<double>& camera_step() const { return delta_; }
@@ -85,6 +87,7 @@ class ReprojectionProblem {
   std::vector<double> delta_;                                                        // user columns
   std::vector<double> canonical_delta_;                                              // (C, kRow)
   SchurSystem schur_;
+  std::unique_ptr<LinearSolver> solver_;
   bool has_scales_ = false;
 };
 

@@ -3,55 +3,27 @@
 #include "raylign/bundle/native/schur_system.h"
 
 #include <algorithm>
-#include <cmath>
-
-extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dpotrs_(const char* uplo,
-             const int* n,
-             const int* nrhs,
-             const double* a,
-             const int* lda,
-             double* b,
-             const int* ldb,
-             int* info);
-}
 
 namespace raylign::native {
 
+namespace {
+
+std::vector<unsigned char> moving_cameras(const CameraBlocks& cameras) {
+  std::vector<unsigned char> moving;
+  for (int i = 0; i < cameras.num_cameras(); ++i) moving.push_back(cameras.size(i) > 0 ? 1 : 0);
+  return moving;
+}
+
+}  // namespace
+
 SchurSystem::SchurSystem(const Layout& layout, const CameraBlocks& cameras, int num_threads)
-    : layout_(layout), cameras_(cameras) {
-  const std::int64_t count = cameras.num_cameras();
-  for (int i = 0; i < cameras.num_cameras(); ++i) active_.push_back(cameras.size(i) > 0 ? 1 : 0);
-  find_blocks();
+    : layout_(layout), cameras_(cameras), pattern_(layout, moving_cameras(cameras)) {
   split_rows(num_threads);
-  rhs_.resize(count * kRow);
+  blocks_.resize(pattern_.num_blocks());
+  rhs_.resize(static_cast<std::size_t>(layout.num_cameras) * kRow);
   const std::int64_t track = layout.max_track_length();
   scratch_.assign(num_threads, std::vector<Elimination>(track));
   ids_.assign(num_threads, std::vector<std::int32_t>(track));
-  const std::size_t n = cameras.num_columns();
-  dense_.resize(n * n);
-  dense_rhs_.resize(n);
-}
-
-void SchurSystem::find_blocks() {
-  const std::int64_t count = layout_.num_cameras;
-  index_.assign(count * count, -1);
-  constexpr std::int64_t kWanted = 0;
-  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
-    for (auto q = layout_.starts[j]; q < layout_.starts[j + 1]; ++q) {
-      const std::int64_t i = layout_.camera[q];
-      if (active_[i] == 0) continue;
-      for (auto k = q; k < layout_.starts[j + 1]; ++k) {
-        if (active_[layout_.camera[k]] != 0) index_[i * count + layout_.camera[k]] = kWanted;
-      }
-    }
-  }
-  std::int64_t num_blocks = 0;
-  for (std::int64_t& block : index_) {
-    if (block == kWanted) block = num_blocks++;
-  }
-  blocks_.resize(num_blocks);
 }
 
 // Cuts the block rows so that each part has about the same number of products.
@@ -80,7 +52,12 @@ void SchurSystem::form(const CameraPacket* packets,
                        const std::vector<double>& damping,
                        ThreadPool& pool) {
   const Observations observations{layout_.starts.data(), layout_.camera.data(), layout_.uv.data()};
-  const SchurBlocks S{layout_.num_cameras, index_.data(), active_.data(), blocks_.data(),
+  const SchurBlocks S{pattern_.active.data(),
+                      pattern_.starts.data(),
+                      pattern_.columns.data(),
+                      pattern_.places.data(),
+                      pattern_.max_tabulated,
+                      blocks_.data(),
                       rhs_.data()};
   pool.run(static_cast<int>(row_parts_.size()) - 1, [&](int part) {
     const std::int32_t begin = row_parts_[part];
@@ -96,53 +73,41 @@ void SchurSystem::form(const CameraPacket* packets,
 void SchurSystem::set_cameras(const std::vector<CameraSums>& sums,
                               std::int32_t begin,
                               std::int32_t end) {
-  const std::int64_t count = layout_.num_cameras;
-  for (std::int64_t i = begin; i < end; ++i) {
-    for (std::int64_t k = i; k < count; ++k) {
-      const std::int64_t block = index_[i * count + k];
-      if (block < 0) continue;
-      blocks_[block] = k == i ? sums[i].U : Block{};
-    }
-    for (int m = 0; m < kRow; ++m) rhs_[i * kRow + m] = -sums[i].g[m];
+  for (std::int32_t i = begin; i < end; ++i) {
+    const std::int64_t first = pattern_.starts[i];
+    std::fill(blocks_.begin() + first, blocks_.begin() + pattern_.starts[i + 1], Block{});
+    if (pattern_.active[i] == 0) continue;
+    blocks_[first] = sums[i].U;
+    for (int m = 0; m < kRow; ++m) rhs_[std::int64_t{i} * kRow + m] = -sums[i].g[m];
   }
 }
 
-// Block row i of the canonical S becomes the columns of camera i in the dense lower triangle.
+// From the canonical tangent to the user's: Bᵢᵀ S Bₖ + λD and Bᵢᵀ b.
 void SchurSystem::fold_rows(const std::vector<double>& damping,
                             std::int32_t begin,
                             std::int32_t end) {
-  const std::int64_t count = layout_.num_cameras;
-  const std::int64_t n = cameras_.num_columns();
   for (std::int32_t i = begin; i < end; ++i) {
-    const std::int64_t first = cameras_.offset(i);
-    const int size = cameras_.size(i);
-    std::fill_n(dense_.begin() + first * n, size * n, 0.0);
-    for (std::int32_t k = i; k < count && size > 0; ++k) {
-      const std::int64_t block = index_[i * count + k];
-      if (block < 0) continue;
-      fold_block(blocks_[block], cameras_.map(i), cameras_.map(k), size, cameras_.size(k),
-                 dense_.data() + first * n + cameras_.offset(k), n);
+    if (pattern_.active[i] == 0) continue;
+    const Block& B = cameras_.map(i);
+    for (auto b = pattern_.starts[i]; b < pattern_.starts[i + 1]; ++b) {
+      double* block = blocks_[b].values;
+      fold_block(blocks_[b], B, cameras_.map(pattern_.columns[b]), 9, kRow, block, kRow);
     }
-    for (int a = 0; a < size; ++a) {
-      dense_[(first + a) * n + first + a] += damping[first + a];
-      double sum = 0.0;
-      for (int m = 0; m < 9; ++m) sum += cameras_.map(i).values[m * kRow + a] * rhs_[i * kRow + m];
-      dense_rhs_[first + a] = sum;
+    double* diagonal = blocks_[pattern_.starts[i]].values;
+    double* rhs = rhs_.data() + std::int64_t{i} * kRow;
+    double folded[kRow] = {};
+    for (int a = 0; a < cameras_.size(i); ++a) {
+      diagonal[a * kRow + a] += damping[cameras_.offset(i) + a];
+      for (int m = 0; m < 9; ++m) folded[a] += B.values[m * kRow + a] * rhs[m];
     }
+    std::copy_n(folded, kRow, rhs);
   }
 }
 
-bool SchurSystem::solve(std::vector<double>& delta) {
-  const int n = cameras_.num_columns();
-  delta = dense_rhs_;
-  if (n == 0) return true;
-  const int one = 1;
-  int info = 0;
-  dpotrf_("L", &n, dense_.data(), &n, &info);
-  if (info != 0) return false;
-  dpotrs_("L", &n, &one, dense_.data(), &n, delta.data(), &n, &info);
-  return info == 0 &&
-         std::all_of(delta.begin(), delta.end(), [](double x) { return std::isfinite(x); });
+void SchurSystem::copy_rhs(double* out) const {
+  for (int i = 0; i < cameras_.num_cameras(); ++i) {
+    std::copy_n(rhs_.data() + std::int64_t{i} * kRow, cameras_.size(i), out + cameras_.offset(i));
+  }
 }
 
 }  // namespace raylign::native

@@ -9,12 +9,15 @@
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/schur_kernels.h"
+#include "raylign/bundle/native/schur_pattern.h"
 
 namespace raylign::native {
 
-/// The reduced camera system S δ = b after the landmarks are eliminated: summed as 9×9 blocks in
-/// the canonical tangent, folded by the cameras' maps into one dense matrix over the user's free
-/// columns, factored by LAPACK. All memory is taken at construction.
+/// The reduced camera system S δ = b after the landmarks are eliminated: the block-sparse upper
+/// triangle of S, summed in the canonical tangent and folded by the cameras' maps into the user's.
+/// A camera with fewer than nine free columns uses the first ones of its rows; the rest is zero.
+/// All memory is taken at construction.
 class SchurSystem {
  public:
   SchurSystem(const Layout& layout, const CameraBlocks& cameras, int num_threads);
@@ -29,29 +32,28 @@ class SchurSystem {
             const std::vector<CameraSums>& sums,
             const std::vector<double>& damping,
             ThreadPool& pool);
-  /// δ (num_columns(),) in the user's tangent; false when S is not positive definite.
-  bool solve(std::vector<double>& delta);
 
-  /// Lower triangle, column-major, (n, n); what stands above the diagonal blocks is not defined.
-  const std::vector<double>& matrix() const { return dense_; }
-  const std::vector<double>& rhs() const { return dense_rhs_; }
+  const SchurPattern& pattern() const { return pattern_; }
+  const std::vector<Block>& blocks() const { return blocks_; }  ///< of pattern(), user's tangent
+  const std::vector<double>& rhs() const { return rhs_; }       ///< b, (C, kRow)
+  const CameraBlocks& cameras() const { return cameras_; }
+
+  /// b as one vector (num_columns(),).
+  void copy_rhs(double* out) const;
 
  private:
-  void find_blocks();
   void split_rows(int num_parts);
   void set_cameras(const std::vector<CameraSums>& sums, std::int32_t begin, std::int32_t end);
   void fold_rows(const std::vector<double>& damping, std::int32_t begin, std::int32_t end);
 
   const Layout& layout_;
   const CameraBlocks& cameras_;
-  std::vector<unsigned char> active_;
-  std::vector<std::int64_t> index_;  // (C·C,) see SchurBlocks
+  SchurPattern pattern_;
   std::vector<Block> blocks_;
   std::vector<double> rhs_;
   std::vector<std::int32_t> row_parts_;
   std::vector<std::vector<Elimination>> scratch_;
   std::vector<std::vector<std::int32_t>> ids_;
-  std::vector<double> dense_, dense_rhs_;
 };
 
 }  // namespace raylign::native

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "raylign/base/clones.h"
+#include "raylign/bundle/native/kernels.h"
+
+/// The inline pieces that the kernels' files share. No Eigen, nothing with external linkage: each
+/// of those files compiles them for its own instruction sets.
+
+namespace raylign::native {
+
+// Four lanes of a padded row. GCC leaves loops of twelve scalar; as a vector type they become AVX
+// where the clone has it, and pairs of SSE2 where not.
+typedef double Lanes __attribute__((vector_size(32), may_alias));
+constexpr int kLanes = kRow / 4;
+
+RAYLIGN_INLINE Lanes* lanes(double* row) { return reinterpret_cast<Lanes*>(row); }
+RAYLIGN_INLINE const Lanes* lanes(const double* row) { return reinterpret_cast<const Lanes*>(row); }
+
+RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+RAYLIGN_INLINE double dot3(const double* a, const double* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// The two rows of F = [a × A | −A | I], padded with zeros.
+RAYLIGN_INLINE void camera_rows(const ObservationJacobian& J,
+                                const double* X,
+                                const double* c,
+                                double* __restrict F) {
+  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
+  for (int row = 0; row < 2; ++row) {
+    double* f = F + row * kRow;
+    const double* A = J.A + 3 * row;
+    cross(a, A, f);
+    for (int k = 0; k < 3; ++k) f[3 + k] = -A[k];
+    for (int k = 0; k < 3; ++k) f[6 + k] = J.I[3 * row + k];
+    for (int k = 9; k < kRow; ++k) f[k] = 0.0;
+  }
+}
+
+// y = Wᵀ x and y = W x for the upper triangle W = (xx, xy, xz, yy, yz, zz).
+RAYLIGN_INLINE void multiply_transposed(const double* W, const double* x, double* y) {
+  y[0] = W[0] * x[0];
+  y[1] = W[1] * x[0] + W[3] * x[1];
+  y[2] = W[2] * x[0] + W[4] * x[1] + W[5] * x[2];
+}
+
+RAYLIGN_INLINE void multiply(const double* W, const double* x, double* y) {
+  y[0] = W[0] * x[0] + W[1] * x[1] + W[2] * x[2];
+  y[1] = W[3] * x[1] + W[4] * x[2];
+  y[2] = W[5] * x[2];
+}
+
+}  // namespace raylign::native

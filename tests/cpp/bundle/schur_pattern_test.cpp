@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/bundle/native/schur_pattern.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <utility>
+
+#include "support/named_rng.h"
+
+namespace raylign::native {
+namespace {
+
+// Tracks of 2 … max_length cameras out of `num_cameras`, some of them seen twice by a camera.
+BalProblem random_tracks(int num_cameras, int num_points, int max_length) {
+  auto rng = test::make_rng("random tracks");
+  std::vector<int> cameras;
+  std::vector<int> points;
+  for (int p = 0; p < num_points; ++p) {
+    const int length = rng.integer(2, max_length);
+    const int first = rng.integer(0, num_cameras - 1);
+    for (int k = 0; k < length; ++k) {
+      cameras.push_back((first + rng.integer(0, 2 * k)) % num_cameras);
+      points.push_back(p);
+    }
+  }
+  BalProblem problem;
+  problem.cameras.setZero(num_cameras, 9);
+  problem.points.setZero(num_points, 3);
+  const auto count = static_cast<Eigen::Index>(cameras.size());
+  problem.camera_index = Eigen::Map<Eigen::VectorXi>(cameras.data(), count);
+  problem.point_index = Eigen::Map<Eigen::VectorXi>(points.data(), count);
+  problem.observations.setZero(count, 2);
+  return problem;
+}
+
+class Pattern : public testing::TestWithParam<int> {};  // longest track
+
+TEST_P(Pattern, HoldsThePairsOfMovingCamerasAndWhereTheyFall) {
+  const Layout layout(random_tracks(30, 400, GetParam()));
+  std::vector<unsigned char> active(30, 1);
+  active[4] = active[17] = 0;
+  const SchurPattern pattern(layout, active);
+  std::set<std::pair<int, int>> expected;
+  std::int64_t num_pairs = 0;
+  std::size_t next = 0;
+  for (std::int64_t j = 0; j < layout.num_landmarks(); ++j) {
+    const bool tabulated = layout.starts[j + 1] - layout.starts[j] <= pattern.max_tabulated;
+    for (auto a = layout.starts[j]; a < layout.starts[j + 1]; ++a) {
+      for (auto b = a; b < layout.starts[j + 1]; ++b) {
+        const int i = layout.camera[a];
+        const int k = layout.camera[b];
+        const auto place = tabulated ? pattern.places[next++] : 0;
+        if (active[i] == 0 || active[k] == 0) continue;
+        ++num_pairs;
+        expected.insert({i, k});
+        if (tabulated) {
+          EXPECT_EQ(pattern.columns[pattern.starts[i] + place], k);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(next, pattern.places.size());
+  std::set<std::pair<int, int>> found;
+  for (int i = 0; i < 30; ++i) {
+    for (auto b = pattern.starts[i]; b < pattern.starts[i + 1]; ++b) {
+      if (b > pattern.starts[i]) {
+        EXPECT_LT(pattern.columns[b - 1], pattern.columns[b]);
+      }
+      found.insert({i, pattern.columns[b]});
+    }
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_GE(pattern.num_pairs, num_pairs);  // a camera twice in a track counts both orders
+}
+
+INSTANTIATE_TEST_SUITE_P(Lengths, Pattern, testing::Values(3, 12, 60));
+
+}  // namespace
+}  // namespace raylign::native
