@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/camera/pinhole.h"
 
+#include <cmath>
+
+#include "raylign/base/error.h"
 #include "raylign/camera/bearing.h"
 #include "raylign/camera/check_params.h"
 
@@ -20,6 +23,12 @@ void PinholeCamera::validate() const {
   require_positive("PinholeCamera.fy", fy_);
   require_finite("PinholeCamera.cx", cx_);
   require_finite("PinholeCamera.cy", cy_);
+}
+
+PinholeCamera PinholeCamera::at_level(int level) const {
+  require_option(level >= 0, "level", ">= 0", level);
+  const double scale = std::ldexp(1.0, -level);
+  return {fx_ * scale, fy_ * scale, (cx_ + 0.5) * scale - 0.5, (cy_ + 0.5) * scale - 0.5};
 }
 
 bool PinholeCamera::project(const Vector3& p_c,

@@ -29,6 +29,11 @@ class PinholeCamera {
   /// Throws OptionsError for a value that is not finite or a focal length <= 0.
   void validate() const;
 
+  /// The camera of level `level` >= 0 of an ImagePyramid: f / 2^l and c_l = (c + 1/2) / 2^l - 1/2,
+  /// because a 2x2 box mean lies half a pixel beside the first of its four. Throws OptionsError for
+  /// a negative level.
+  PinholeCamera at_level(int level) const;
+
   /// True for points on the side the camera looks at.
   static bool is_in_front(const Vector3& p_c) { return p_c.z() > 0.0; }
 

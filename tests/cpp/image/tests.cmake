@@ -1,1 +1,5 @@
 raylign_add_test(image remap_test.cpp)
+raylign_add_test(image pyramid_test.cpp LINK raylign_camera)
+raylign_add_test(image gradient_test.cpp)
+raylign_add_test(image sample_test.cpp)
+raylign_add_test(image depth_pyramid_test.cpp)
