@@ -4,6 +4,7 @@ PYTHON_BIN := .venv/bin/python
 JOBS := $(shell nproc)
 BOOTSTRAP := scripts/bootstrap.sh
 DEMO_DIR ?= raylign-demo
+BENCH_FLAGS ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test bench lint format stub asan fuzz tidy clean
@@ -23,8 +24,8 @@ test:  ## C++ and Python tests
 	ctest --test-dir build/release --output-on-failure -j$(JOBS)
 	$(PYTHON_BIN) -m pytest
 
-bench: setup  ## benchmarks; JSON and figures under benchmarks/results
-	$(PYTHON_BIN) benchmarks/run.py
+bench: setup  ## benchmarks; JSON under benchmarks/results (BENCH_FLAGS=--help)
+	$(PYTHON_BIN) benchmarks/run.py $(BENCH_FLAGS)
 
 lint:  ## ruff, clang-format, layers, mypy --strict, stubtest
 	$(BOOTSTRAP) venv

@@ -1,0 +1,131 @@
+"""The benchmarks' own arithmetic: a wrong judge would make every published number wrong."""
+
+import math
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import raylign
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+
+
+@pytest.fixture(autouse=True)
+def _harness_on_the_path(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+
+
+@pytest.fixture
+def written(tiny_problem, tmp_path):
+    """The tiny problem as the judge reads it from its file."""
+    from harness import judge
+
+    raylign.io.write_bal(tiny_problem, tmp_path / "tiny.txt")
+    return judge.read_problem(tmp_path / "tiny.txt")
+
+
+def test_judge_and_raylign_agree_on_the_cost(tiny_problem, written):
+    from harness import judge
+
+    expected = raylign.bundle.linearize(tiny_problem).cost
+    assert judge.cost(written, written.cameras, written.points) == pytest.approx(expected, 1e-12)
+
+
+def test_judge_counts_what_lies_behind_a_camera(written):
+    from harness import judge
+
+    behind = written.points.copy()
+    behind[0] = [0.0, 0.1, 30.0]  # the cameras stand near z = 6 and look along −z
+    moved = judge.Problem(
+        written.cameras, behind, written.camera_index, written.point_index, written.pixels
+    )
+    assert np.count_nonzero(judge.depths(moved) < 0.0) == 4
+    assert judge.cost(moved, moved.cameras, behind) > judge.cost(
+        written, written.cameras, written.points
+    )
+
+
+def test_time_to_a_cost_is_the_first_time():
+    from harness import judge
+
+    trace = [[0.1, 100.0], [0.2, 20.0], [0.3, 20.0], [0.5, 10.0]]
+    goals = judge.targets(100.0, 10.0)
+    np.testing.assert_allclose(goals, [19.0, 10.9, 10.09, 10.009, 10.01])
+    assert judge.time_to(trace, 100.0) == 0.1
+    assert judge.time_to(trace, 20.0) == 0.2
+    assert judge.time_to(trace, goals[0]) == 0.5
+    assert judge.time_to(trace, 9.0) == math.inf
+
+
+def test_rate_leaves_preprocessing_out():
+    from harness import judge
+
+    run = {"trace": [[5.0, 3.0], [6.0, 2.0], [7.0, 1.0]]}
+    assert judge.ns_per_observation_and_iteration(run, 1000) == pytest.approx(1e6)
+
+
+def contest(*turns: dict[str, float]) -> dict:
+    """A contest in which system `key` takes `seconds` to the optimum, NaN: it failed."""
+    runs = []
+    for number, turn in enumerate(turns):
+        for key, seconds in turn.items():
+            run = {"round": number, "system": key, "trace": [[0.0, 9.0], [seconds, 1.0]]}
+            run |= dict.fromkeys(("parse_s", "build_s", "preprocess_s", "solve_s"), 0.0)
+            run |= {"judged_cost": 1.0, "baseline_bytes": 0, "peak_bytes": 500}
+            failed = {"round": number, "system": key, "error": "killed"}
+            runs.append(failed if math.isnan(seconds) else run)
+    return {"problem": "p", "num_observations": 10, "initial_cost": 9.0, "runs": runs}
+
+
+def test_ratios_are_taken_within_a_round():
+    from harness import contest as contests
+
+    # The machine slows down tenfold in the last round; the ratio of medians would be 1.
+    held = contests.summarize(contest({"a": 4.0, "b": 1.0}, {"a": 8.0, "b": 2.0}, {"b": 40.0}))
+    assert contests.ratio(held, "a", "b", contests.headline_time) == 4.0
+    assert contests.ratio(held, "a", "absent", contests.headline_time) is None
+
+
+def test_a_failure_is_a_row_and_never_a_time():
+    from harness import contest as contests
+
+    held = contests.summarize(contest({"a": math.nan, "b": 1.0}, {"a": math.nan, "b": 3.0}))
+    failed, row = held["rows"]
+    assert failed == {"system": "a", "error": "killed"}
+    assert row["times_to"][-1] == 2.0
+    assert row["memory_bytes_per_observation"] == 50.0
+
+
+def test_merged_rounds_stay_apart():
+    from harness import contest as contests
+
+    first = contest({"a": 4.0, "b": 1.0})
+    held = contests.summarize(contests.merge(first, contest({"a": 80.0, "b": 20.0})))
+    assert [run["round"] for run in held["runs"]] == [0, 0, 1, 1]
+    assert contests.ratio(held, "a", "b", contests.headline_time) == 4.0
+
+
+def test_colmap_model_holds_the_same_problem(written, tmp_path):
+    from harness import colmap_model
+
+    colmap_model.write_model(written, tmp_path)
+    points = (tmp_path / "points3D.bin").read_bytes()
+    num_points, first_id, x = struct.unpack_from("<QQd", points)
+    assert (num_points, first_id, x) == (20, 1, written.points[0, 0])
+    record = 8 + 24 + 3 + 8 + 8 + 4 * 8  # the cameras see every point
+    assert len(points) == 8 + num_points * record
+    track = np.frombuffer(points, "<u4", 8, 8 + 5 * record + 51).reshape(4, 2)
+    np.testing.assert_array_equal(track, [[1, 5], [2, 5], [3, 5], [4, 5]])
+    assert len((tmp_path / "images.bin").read_bytes()) == 8 + 4 * (64 + 7 + 8 + 20 * 24)
+
+
+def test_colmap_rotations_are_a_half_turn_from_ours(written):
+    from harness import colmap_model
+
+    w = written.cameras[:, :3]
+    real, x, y, z = colmap_model.quaternions(w).T
+    R = raylign.geometry.quaternion_to_matrix(np.stack([x, y, z, real], axis=1))
+    expected = np.diag([1.0, -1.0, -1.0]) @ raylign.geometry.so3_exp(w)
+    np.testing.assert_allclose(R, expected, atol=1e-14)
