@@ -208,6 +208,8 @@ void bind_pinhole(py::module_& m) {
   cls.def(
       "matrix", [](const PinholeCamera& self) { return RowMajor<3, 3>(self.matrix()); },
       "(3, 3) float64: [fx 0 cx; 0 fy cy; 0 0 1].");
+  cls.def("at_level", &PinholeCamera::at_level, py::arg("level"),
+          "Camera of level >= 0 of an ImagePyramid: f / 2^l, (c + 1/2) / 2^l - 1/2; OptionsError.");
 }
 
 void bind_radtan(py::module_& m) {

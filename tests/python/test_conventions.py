@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import raylign
-from raylign import _core, bundle, camera, geometry, io, synthetic
+from raylign import _core, bundle, camera, depth, geometry, image, io, synthetic
 from raylign.bundle import BundleConfig, BundleOptions, Gauge, LmOptions, Termination, adjust
 from raylign.robust import Loss, LossType
 from raylign.scene import BalProblem
@@ -161,6 +161,45 @@ def test_bal_camera_looks_along_minus_z(tiny_problem: BalProblem):
     scale = 50.0 * (1.0 + 0.1 * r2 + 0.01 * r2 * r2)
     np.testing.assert_allclose(one.residuals(), [[scale * 0.1, scale * 0.2]], rtol=1e-14)
     np.testing.assert_array_equal(one.depths(), [10.0])
+
+
+def test_grey_is_0_to_255():
+    assert image.to_grey(np.array([[0, 255]], np.uint8)).tolist() == [[0.0, 255.0]]
+    assert image.to_grey(np.array([[257, 65535]], np.uint16)).tolist() == [[1.0, 255.0]]
+    assert image.to_grey(np.array([[-0.5, 300.0]], np.float32)).tolist() == [[-0.5, 300.0]]
+    red = np.array([[[100, 0, 0]]], np.uint8)
+    np.testing.assert_allclose(image.to_grey(red), 29.9, rtol=1e-6)
+
+
+def test_level_camera_fits_the_box_mean():
+    """The column of a ray, 10 + 3 x/z at level 0, is read at the same ray of level 1."""
+    columns = np.tile(np.arange(64, dtype=np.float32), (32, 1))
+    level = image.ImagePyramid(columns)[1]
+    finest = camera.PinholeCamera(3.0, 3.0, 10.0, 12.0)
+    coarse = finest.at_level(1)
+    assert coarse == camera.PinholeCamera(1.5, 1.5, 4.75, 5.75)
+    ray = np.array([1.0, 0.5, 1.0])
+    values, _, _ = image.sample(level, coarse.project(ray)[0])
+    assert values == finest.project(ray)[0][0] == 13.0
+
+
+def test_samples_end_at_the_border_pixels():
+    pixels = np.ones((3, 5), np.float32)
+    uv = [[0, 0], [4, 2], [4.001, 2], [4, 2.001], [-0.001, 0], [0, -0.001], [np.nan, 0]]
+    for interpolation in image.SampleInterpolation:
+        _, _, valid = image.sample(pixels, uv, interpolation=interpolation)
+        assert valid.tolist() == [True] * 2 + [False] * 5
+    pixels[1, 1] = np.nan
+    assert image.sample(pixels, [[0.5, 0.5], [2.5, 0.5]])[2].tolist() == [False, True]
+
+
+def test_no_depth_is_zero():
+    D, V = depth.inverse_depth(np.array([[2.0, 0.0, np.nan]], np.float32))
+    assert D.tolist() == [[0.5, 0.0, 0.0]]
+    assert (V > 0).tolist() == [[True, False, False]]
+    assert V[0, 1:].tolist() == [0.0, 0.0]
+    D, V = image.DepthPyramid(np.float32([[1, 1, 0]]), np.float32([[1, -1, 1]]))[0]
+    assert D.tolist() == V.tolist() == [[1.0, 0.0, 0.0]]
 
 
 # --- residuals, cost, units ----------------------------------------------------------------------

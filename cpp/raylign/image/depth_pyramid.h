@@ -22,7 +22,7 @@ struct DepthPyramidOptions {
 };
 
 /// Inverse depth D (1 / scene unit) and its variance V per level. A pixel has depth iff D and V are
-/// positive and finite; all others hold (0, -1) on every level, so that V > 0 is the whole test. A
+/// positive and finite; all others hold (0, 0) on every level, so that V > 0 is the whole test. A
 /// parent of n >= 1 pixels with depth has D = sum(D / V) / sum(1 / V) and V = n / sum(1 / V): their
 /// errors count as one, averaging does not shrink them (Engel, Schöps, Cremers, ECCV 2014, code).
 class DepthPyramid {

@@ -36,6 +36,16 @@ void convert(const ImageView& image, ColorOrder order, Plane<float>& grey) {
 
 }  // namespace
 
+PlaneView<float> plane_view(const ImageView& image) {
+  image.validate();
+  if (image.empty()) throw ShapeError("image must have at least one pixel");
+  if (image.type != PixelType::FLOAT32 || image.channels != 1) {
+    throw ShapeError("image must have one channel of float32");
+  }
+  return {static_cast<const float*>(image.data), image.width, image.height,
+          static_cast<std::ptrdiff_t>(image.row_stride / sizeof(float))};
+}
+
 void to_grey(const ImageView& image, ColorOrder order, Plane<float>& grey) {
   image.validate();
   if (image.empty()) throw ShapeError("image must have at least one pixel");
@@ -48,6 +58,12 @@ void to_grey(const ImageView& image, ColorOrder order, Plane<float>& grey) {
     case PixelType::FLOAT32:
       return convert<float>(image, order, grey);
   }
+}
+
+PlaneView<float> grey_view(const ImageView& image, ColorOrder order, Plane<float>& memory) {
+  if (image.type == PixelType::FLOAT32 && image.channels == 1) return plane_view(image);
+  to_grey(image, order, memory);
+  return memory.view();
 }
 
 }  // namespace raylign

@@ -117,7 +117,7 @@ RAYLIGN_CLONES void mark_depth(const float* __restrict D,
   for (std::int64_t i = 0; i < n; ++i) {
     const bool has_depth = is_positive(D[i]) & is_positive(V[i]);
     D_out[i] = has_depth ? D[i] : 0.0F;
-    V_out[i] = has_depth ? V[i] : -1.0F;
+    V_out[i] = has_depth ? V[i] : 0.0F;
   }
 }
 
@@ -153,7 +153,7 @@ RAYLIGN_CLONES void halve_depth(
     const bool has_depth =
         is_positive(mean_D) & is_positive(mean_V) & (largest <= max_depth_ratio * smallest);
     D_parent[i] = has_depth ? mean_D : 0.0F;
-    V_parent[i] = has_depth ? mean_V : -1.0F;
+    V_parent[i] = has_depth ? mean_V : 0.0F;
   }
 }
 

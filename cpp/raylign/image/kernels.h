@@ -40,7 +40,7 @@ void squared_gradient(const float* cells, std::int64_t n, float* out);
 void maximum(const float* a, const float* b, const float* c, std::int64_t n, float* out);
 void square_root(const float* in, std::int64_t n, float* out);
 
-/// Copies n pixels of inverse depth and variance; those without depth become (0, -1).
+/// Copies n pixels of inverse depth and variance; those without depth become (0, 0).
 void mark_depth(const float* D, const float* V, std::int64_t n, float* D_out, float* V_out);
 
 /// Two marked rows of depth.
