@@ -171,6 +171,6 @@ def test_stub_agrees_with_the_module(tmp_path: Path):
         text=True,
         check=False,
         cwd=tmp_path,  # no pyproject.toml here: the stub beside the module is the one compared
-        env=os.environ | {"MYPYPATH": search},
+        env=os.environ | {"MYPYPATH": search, "PYTHONPATH": search},  # also where that was relative
     )
     assert result.returncode == 0, result.stdout
