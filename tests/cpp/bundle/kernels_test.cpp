@@ -7,6 +7,7 @@
 #include "bundle/reference.h"
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/product_plan.h"
 #include "raylign/bundle/native/schur_kernels.h"
 #include "support/eigen_matchers.h"
 #include "support/numeric_jacobian.h"
@@ -23,8 +24,8 @@ using Block9 = Eigen::Map<const Eigen::Matrix<double, 9, kRow, Eigen::RowMajor>>
 
 // A small problem, its packets, and the linearisation by the kernels.
 struct Fixture {
-  BalProblem problem = test::small_problem();
   Loss loss;
+  BalProblem problem;
   Layout layout{problem};
   CameraBlocks cameras{problem, PoseParametrization::SE3, resolve_constants(problem, {}),
                        layout.observed};
@@ -34,7 +35,8 @@ struct Fixture {
   std::vector<CameraSums> sums{static_cast<std::size_t>(layout.num_cameras), CameraSums{}};
   double cost = 0.0;
 
-  explicit Fixture(Loss law) : loss(law) {
+  explicit Fixture(Loss law, BalProblem scene = test::small_problem())
+      : loss(law), problem(std::move(scene)) {
     for (const std::int32_t p : layout.points) {
       for (int k = 0; k < 3; ++k) X.push_back(problem.points(p, k));
     }
@@ -109,6 +111,68 @@ TEST(CanonicalTangent, JacobianIsTheDerivativeAlongIt) {
     EXPECT_TRUE(is_relatively_near(twin.F, numeric, 1e-8));
   }
 }
+
+// S and b of random landmarks by both bodies of the kernel, against the sum that defines them.
+class Subtraction : public testing::TestWithParam<bool> {  // long tracks: no plan
+ protected:
+  const Fixture fixture_{Loss{}, test::small_problem(GetParam() ? 70 : 6, 30)};
+  const SchurPattern pattern_{fixture_.layout,
+                              std::vector<unsigned char>(fixture_.layout.num_cameras, 1)};
+  const ProductPlan plan_{fixture_.layout, pattern_};
+
+  void expect_definition(SubtractLandmarks* subtract) const {
+    const Fixture& s = fixture_;
+    std::vector<LandmarkFactor> factors(s.blocks.size());
+    auto rng = test::make_rng("factors");
+    for (LandmarkFactor& factor : factors) {
+      for (double& w : factor.W) w = 0.01 * rng.normal();
+    }
+    const int count = s.layout.num_cameras;
+    std::vector<Block> blocks(pattern_.num_blocks(), Block{});
+    std::vector<double> rhs(count * kRow, 0.0);
+    std::vector<Elimination> scratch(s.layout.max_window());
+    const SchurBlocks S{pattern_.active.data(), pattern_.starts.data(), pattern_.columns.data(),
+                        blocks.data(), rhs.data()};
+    const ProductWindows windows{static_cast<std::int64_t>(plan_.windows.size()),
+                                 plan_.windows.data(), plan_.visits.data(), plan_.products.data()};
+    for (const auto& [begin, end] : {std::pair(0, 2), std::pair(2, count)}) {
+      subtract(s.observations(), windows, s.cameras.packets(), s.X.data(), s.J.data(),
+               s.blocks.data(), factors.data(), begin, end, S, scratch.data());
+    }
+    for (int i = 0; i < count; ++i) {
+      Vector9 b = Vector9::Zero();
+      for (int k = i; k < count; ++k) {
+        Eigen::Matrix<double, 9, 9> expected = Eigen::Matrix<double, 9, 9>::Zero();
+        for (std::int64_t j = 0; j < s.layout.num_landmarks(); ++j) {
+          Matrix3 W = Matrix3::Zero();
+          const double* w = factors[j].W;
+          W << w[0], w[1], w[2], 0.0, w[3], w[4], 0.0, 0.0, w[5];
+          const auto Z = [&](int camera) -> Eigen::Matrix<double, 9, 3> {
+            const auto twin = reference_observation(s.cameras.packets()[camera], s.point(j),
+                                                    s.uv(s.layout.starts[j] + camera), s.loss);
+            return twin.F.transpose() * twin.A * W;
+          };
+          expected -= Z(i) * Z(k).transpose();
+          if (k == i) b += Z(i) * W.transpose() * Eigen::Map<const Vector3>(s.blocks[j].g);
+        }
+        EXPECT_TRUE(is_relatively_near(Block9(blocks[pattern_.find(i, k)].values).leftCols<9>(),
+                                       expected, 1e-11));
+      }
+      EXPECT_TRUE(is_relatively_near(Eigen::Map<const Vector9>(rhs.data() + i * kRow), b, 1e-11));
+    }
+  }
+};
+
+TEST_P(Subtraction, NarrowBodyIsTheDefinition) { expect_definition(narrow_subtract_landmarks()); }
+
+TEST_P(Subtraction, WideBodyIsTheDefinition) {
+  if (wide_subtract_landmarks() == nullptr) GTEST_SKIP() << "no AVX-512";
+  expect_definition(wide_subtract_landmarks());
+}
+
+INSTANTIATE_TEST_SUITE_P(Tracks, Subtraction, testing::Bool(), [](const auto& instance) {
+  return instance.param ? "long" : "planned";
+});
 
 TEST(FoldBlock, IsTheTripleProduct) {
   auto rng = test::make_rng("fold block");

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "raylign/bundle/native/product_plan.h"
 #include "support/named_rng.h"
 
 namespace raylign::native {
@@ -37,31 +38,24 @@ BalProblem random_tracks(int num_cameras, int num_points, int max_length) {
 
 class Pattern : public testing::TestWithParam<int> {};  // longest track
 
-TEST_P(Pattern, HoldsThePairsOfMovingCamerasAndWhereTheyFall) {
+TEST_P(Pattern, HoldsThePairsOfMovingCameras) {
   const Layout layout(random_tracks(30, 400, GetParam()));
   std::vector<unsigned char> active(30, 1);
   active[4] = active[17] = 0;
   const SchurPattern pattern(layout, active);
   std::set<std::pair<int, int>> expected;
   std::int64_t num_pairs = 0;
-  std::size_t next = 0;
   for (std::int64_t j = 0; j < layout.num_landmarks(); ++j) {
-    const bool tabulated = layout.starts[j + 1] - layout.starts[j] <= pattern.max_tabulated;
     for (auto a = layout.starts[j]; a < layout.starts[j + 1]; ++a) {
       for (auto b = a; b < layout.starts[j + 1]; ++b) {
         const int i = layout.camera[a];
         const int k = layout.camera[b];
-        const auto place = tabulated ? pattern.places[next++] : 0;
         if (active[i] == 0 || active[k] == 0) continue;
         ++num_pairs;
         expected.insert({i, k});
-        if (tabulated) {
-          EXPECT_EQ(pattern.columns[pattern.starts[i] + place], k);
-        }
       }
     }
   }
-  EXPECT_EQ(next, pattern.places.size());
   std::set<std::pair<int, int>> found;
   for (int i = 0; i < 30; ++i) {
     for (auto b = pattern.starts[i]; b < pattern.starts[i + 1]; ++b) {
@@ -75,7 +69,50 @@ TEST_P(Pattern, HoldsThePairsOfMovingCamerasAndWhereTheyFall) {
   EXPECT_GE(pattern.num_pairs, num_pairs);  // a camera twice in a track counts both orders
 }
 
-INSTANTIATE_TEST_SUITE_P(Lengths, Pattern, testing::Values(3, 12, 60));
+TEST_P(Pattern, PlanListsEveryProductOnceUnderItsBlock) {
+  const Layout layout(random_tracks(30, 400, GetParam()));
+  std::vector<unsigned char> active(30, 1);
+  active[4] = active[17] = 0;
+  const SchurPattern pattern(layout, active);
+  const ProductPlan plan(layout, pattern);
+  using Pair = std::pair<std::int64_t, std::int64_t>;  // observations
+  std::multiset<Pair> expected;
+  for (std::int64_t j = 0; j < layout.num_landmarks(); ++j) {
+    for (auto a = layout.starts[j]; !layout.is_long(j) && a < layout.starts[j + 1]; ++a) {
+      for (auto b = layout.starts[j]; b < layout.starts[j + 1]; ++b) {
+        const int i = layout.camera[a];
+        const int k = layout.camera[b];
+        if (active[i] != 0 && active[k] != 0 && (a <= b || i == k)) expected.insert({a, b});
+      }
+    }
+  }
+  std::multiset<Pair> found;
+  ASSERT_EQ(plan.windows.size(), static_cast<std::size_t>(layout.num_windows()));
+  std::int64_t next_landmark = 0;
+  for (const ProductWindow& window : plan.windows) {
+    EXPECT_EQ(window.landmark_begin, next_landmark);
+    next_landmark = window.landmark_end;
+    EXPECT_EQ(window.is_planned, !layout.is_long(window.landmark_begin));
+    const std::int64_t first = layout.starts[window.landmark_begin];
+    std::int64_t p = window.products_begin;
+    for (auto v = window.visits_begin; v < window.visits_end; ++v) {
+      const BlockVisit& visit = plan.visits[v];
+      if (v > window.visits_begin) {
+        EXPECT_LT(plan.visits[v - 1].block, visit.block);
+      }
+      for (; p < window.products_begin + visit.products_end; ++p) {
+        const Pair pair{first + plan.products[p].i, first + plan.products[p].k};
+        EXPECT_EQ(layout.camera[pair.first], visit.row);
+        EXPECT_EQ(layout.camera[pair.second], pattern.columns[visit.block]);
+        found.insert(pair);
+      }
+    }
+  }
+  EXPECT_EQ(next_landmark, layout.num_landmarks());
+  EXPECT_EQ(found, expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lengths, Pattern, testing::Values(3, 12, 90));
 
 }  // namespace
 }  // namespace raylign::native

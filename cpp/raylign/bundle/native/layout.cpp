@@ -37,11 +37,17 @@ Layout::Layout(const BalProblem& problem)
                                    [&](std::int64_t i) { return cameras[i]; });
   const auto by_point =
       sorted_by(by_camera, problem.num_points(), [&](std::int64_t i) { return point_of[i]; });
-  std::vector<std::int64_t> tracks;  // first position in by_point of each observed point
+  std::vector<std::int64_t> tracks;   // first position in by_point of each observed point
+  std::vector<std::int32_t> highest;  // (P,) camera
+  highest.resize(problem.num_points());
   for (std::int64_t k = 0; k < problem.num_observations(); ++k) {
-    if (k == 0 || point_of[by_point[k]] != point_of[by_point[k - 1]]) tracks.push_back(k);
+    const std::int32_t point = point_of[by_point[k]];
+    if (k == 0 || point != point_of[by_point[k - 1]]) tracks.push_back(k);
+    highest[point] = cameras[by_point[k]];
   }
-  const auto ordered = sorted_by(tracks, problem.num_cameras(),
+  const auto by_highest = sorted_by(tracks, problem.num_cameras(),
+                                    [&](std::int64_t k) { return highest[point_of[by_point[k]]]; });
+  const auto ordered = sorted_by(by_highest, problem.num_cameras(),
                                  [&](std::int64_t k) { return cameras[by_point[k]]; });
 
   starts.reserve(ordered.size() + 1);
@@ -63,12 +69,39 @@ Layout::Layout(const BalProblem& problem)
     starts.push_back(static_cast<std::int64_t>(camera.size()));
   }
 
+  cut_chunks();
+  cut_windows();
+}
+
+void Layout::cut_chunks() {
   const std::int64_t num_chunks =
       std::clamp<std::int64_t>(num_observations() / kMinObservationsPerChunk, 1, kMaxChunks);
   for (std::int64_t g = 0; g <= num_chunks; ++g) {
     const std::int64_t target = num_observations() * g / num_chunks;
     chunks.push_back(std::lower_bound(starts.begin(), starts.end(), target) - starts.begin());
   }
+}
+
+void Layout::cut_windows() {
+  for (std::size_t g = 0; g + 1 < chunks.size(); ++g) {
+    chunk_windows.push_back(static_cast<std::int32_t>(windows.size()));
+    for (std::int64_t j = chunks[g]; j < chunks[g + 1];) {
+      windows.push_back(j);
+      const std::int64_t limit = starts[j] + kWindow;
+      const bool alone = is_long(j++);
+      while (!alone && j < chunks[g + 1] && !is_long(j) && starts[j + 1] <= limit) ++j;
+    }
+  }
+  chunk_windows.push_back(static_cast<std::int32_t>(windows.size()));
+  windows.push_back(num_landmarks());
+}
+
+std::int64_t Layout::max_window() const {
+  std::int64_t largest = 0;
+  for (int w = 0; w < num_windows(); ++w) {
+    largest = std::max(largest, starts[windows[w + 1]] - starts[windows[w]]);
+  }
+  return largest;
 }
 
 std::int64_t Layout::max_track_length() const {

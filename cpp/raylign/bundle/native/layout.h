@@ -10,8 +10,8 @@
 namespace raylign::native {
 
 /// The observations of a problem, landmark by landmark: what every pass over the data walks along.
-/// A landmark is a point that somebody sees. Landmarks are sorted by their lowest camera, so that
-/// neighbours touch the same cameras; the observations of one by camera.
+/// A landmark is a point that somebody sees. Landmarks are sorted by their lowest camera, then by
+/// their highest, so that neighbours touch the same cameras; the observations of one by camera.
 struct Layout {
   explicit Layout(const BalProblem& problem);
 
@@ -27,10 +27,29 @@ struct Layout {
   /// number of threads. (G + 1,)
   std::vector<std::int64_t> chunks;
 
+  /// Chunks are cut into windows: what the kernels write down per observation for a whole window
+  /// stays in the cache. A long track is a window of its own. (W + 1,) landmarks.
+  std::vector<std::int64_t> windows;
+  std::vector<std::int32_t> chunk_windows;  ///< (G + 1,) first window of each chunk
+
+  static constexpr std::int64_t kWindow = 512;    ///< observations
+  static constexpr std::int64_t kLongTrack = 64;  ///< longer tracks are long
+
+  bool is_long(std::int64_t landmark) const {
+    return starts[landmark + 1] - starts[landmark] > kLongTrack;
+  }
+  int num_windows() const { return static_cast<int>(windows.size()) - 1; }
+  /// Observations of the largest window.
+  std::int64_t max_window() const;
+
   std::int64_t num_landmarks() const { return static_cast<std::int64_t>(points.size()); }
   std::int64_t num_observations() const { return static_cast<std::int64_t>(camera.size()); }
   int num_chunks() const { return static_cast<int>(chunks.size()) - 1; }
   std::int64_t max_track_length() const;
+
+ private:
+  void cut_chunks();
+  void cut_windows();
 };
 
 }  // namespace raylign::native

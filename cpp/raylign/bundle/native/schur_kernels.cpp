@@ -2,81 +2,176 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/bundle/native/schur_kernels.h"
 
+#include <type_traits>
+
 #include "raylign/bundle/native/kernel_math.h"
+
+// GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
 namespace raylign::native {
 namespace {
 
-// Zᵀ = (A W)ᵀ F.
+// Vectors at any address that a double may have; in structs, because a template argument drops the
+// attributes.
+struct Four {
+  typedef double Vector __attribute__((vector_size(32), may_alias, aligned(8)));
+};
+struct Eight {
+  typedef double Vector __attribute__((vector_size(64), may_alias, aligned(8)));
+};
+
+template <typename Width>
+RAYLIGN_INLINE typename Width::Vector& at(double* values) {
+  return *reinterpret_cast<typename Width::Vector*>(values);
+}
+template <typename Width>
+RAYLIGN_INLINE const typename Width::Vector& at(const double* values) {
+  return *reinterpret_cast<const typename Width::Vector*>(values);
+}
+
+// Zᵀ = (A W)ᵀ F; F = [a × A | −A | I] stays in registers.
 RAYLIGN_INLINE void eliminate(const ObservationJacobian& J,
                               const double* W,
-                              const double* F,
+                              const double* X,
+                              const double* c,
                               Elimination& out) {
+  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
   double E[2][3];
-  multiply_transposed(W, J.A, E[0]);
-  multiply_transposed(W, J.A + 3, E[1]);
-  for (int m = 0; m < 3; ++m) {
-    Lanes* Z = lanes(out.Z + m * kRow);
-    for (int v = 0; v < kLanes; ++v) {
-      Z[v] = E[0][m] * lanes(F)[v] + E[1][m] * lanes(F + kRow)[v];
-    }
+  Four::Vector left[2];
+  Four::Vector right[2];
+  for (int row = 0; row < 2; ++row) {
+    const double* A = J.A + 3 * row;
+    const double* I = J.I + 3 * row;
+    multiply_transposed(W, A, E[row]);
+    left[row] = Four::Vector{a[1] * A[2] - a[2] * A[1], a[2] * A[0] - a[0] * A[2],
+                             a[0] * A[1] - a[1] * A[0], -A[0]};
+    right[row] = Four::Vector{-A[1], -A[2], I[0], I[1]};
   }
+  for (int m = 0; m < 3; ++m) {
+    at<Four>(out.Z[m]) = E[0][m] * left[0] + E[1][m] * left[1];
+    at<Four>(out.Z[m] + 4) = E[0][m] * right[0] + E[1][m] * right[1];
+    out.tail[m] = E[0][m] * J.I[2] + E[1][m] * J.I[5];
+  }
+  out.tail[3] = 0.0;
 }
 
-// S −= Z_i Z_kᵀ: the innermost loop of bundle adjustment.
-RAYLIGN_INLINE void subtract_product(const Elimination& Z_i, const Elimination& Z_k, Block& S) {
-  Lanes z[3][kLanes];
-  for (int m = 0; m < 3; ++m) {
-    for (int v = 0; v < kLanes; ++v) z[m][v] = lanes(Z_k.Z + m * kRow)[v];
+// rhs += Z y.
+RAYLIGN_INLINE void add_rhs(const Elimination& Z, const double* y, double* rhs) {
+  for (int v = 0; v < 8; v += 4) {
+    Four::Vector sum = at<Four>(rhs + v);
+    for (int m = 0; m < 3; ++m) sum += y[m] * at<Four>(Z.Z[m] + v);
+    at<Four>(rhs + v) = sum;
   }
-  for (int row = 0; row < 9; ++row) {
-    const double* w = Z_i.Z + row;
-    Lanes* out = lanes(S.values + row * kRow);
-    for (int v = 0; v < kLanes; ++v) {
-      Lanes sum = out[v];  // one after the other: three fused multiply-subtracts
-      sum -= w[0] * z[0][v];
-      sum -= w[kRow] * z[1][v];
-      sum -= w[2 * kRow] * z[2][v];
-      out[v] = sum;
-    }
-  }
+  rhs[8] += Z.tail[0] * y[0] + Z.tail[1] * y[1] + Z.tail[2] * y[2];
 }
 
-// The block rows of one track. `ids`: its cameras, −1 where there is no Z. `places`: see
-// SchurPattern, null for a track that is not tabulated.
-RAYLIGN_INLINE void subtract_track(const SchurBlocks& S,
-                                   std::int32_t row_end,
-                                   std::int64_t length,
-                                   const std::int32_t* ids,
-                                   const Elimination* Z,
-                                   const std::uint16_t* places) {
-  for (std::int64_t a = 0; a < length && ids[a] < row_end; ++a) {
-    const std::uint16_t* row_places = places;
-    if (places != nullptr) places += length - a;
-    if (ids[a] < 0) continue;
-    const std::int64_t start = S.starts[ids[a]];
-    const std::int32_t* column = S.columns + start;
-    for (std::int64_t b = a; b < length; ++b) {
-      if (ids[b] < 0) continue;
-      std::int64_t place;
-      if (row_places != nullptr) {
-        place = row_places[b - a];
-      } else {
-        while (*column < ids[b]) ++column;
-        place = column - (S.columns + start);
+// Rows [kFirst, kLast) < 8 of S −= Σ Z_i Z_kᵀ, columns 0 … 7, and with kEdge the ninth row and the
+// ninth column: the innermost loop of bundle adjustment. S stays in registers.
+template <typename Width, int kFirst, int kLast, bool kEdge>
+RAYLIGN_INLINE void subtract_sweep(const Elimination* Z_i,
+                                   const Elimination* Z_k,
+                                   const Product* product,
+                                   const Product* end,
+                                   double* S) {
+  using Vector = typename Width::Vector;
+  constexpr int kWidth = sizeof(Vector) / sizeof(double);
+  constexpr int kVectors = 8 / kWidth;
+  constexpr int kRows = kLast - kFirst;
+  Vector sum[kRows + 1][kVectors];
+  Vector row[kVectors];
+  Vector column[kVectors];
+  Four::Vector corner = {S[8 * kRow + 8], 0.0, 0.0, 0.0};
+  for (int v = 0; v < kVectors; ++v) {
+    for (int r = 0; r < kRows; ++r) sum[r][v] = at<Width>(S + (kFirst + r) * kRow + v * kWidth);
+    row[v] = at<Width>(S + 8 * kRow + v * kWidth);
+    for (int r = 0; r < kWidth; ++r) column[v][r] = S[(v * kWidth + r) * kRow + 8];
+  }
+  for (; product != end; ++product) {
+    const Elimination& x = Z_i[product->i];
+    const Elimination& y = Z_k[product->k];
+    for (int m = 0; m < 3; ++m) {
+      for (int v = 0; v < kVectors; ++v) {
+        const Vector z = at<Width>(y.Z[m] + v * kWidth);
+        for (int r = 0; r < kRows; ++r) sum[r][v] -= x.Z[m][kFirst + r] * z;
+        if (!kEdge) continue;
+        row[v] -= x.tail[m] * z;
+        column[v] -= y.tail[m] * at<Width>(x.Z[m] + v * kWidth);
       }
-      Block& block = S.blocks[start + place];
-      subtract_product(Z[a], Z[b], block);
-      // the same camera twice in a track: both orders fall into one block
-      if (a != b && ids[a] == ids[b]) subtract_product(Z[b], Z[a], block);
+    }
+    if (kEdge) corner -= at<Four>(x.tail) * at<Four>(y.tail);
+  }
+  for (int v = 0; v < kVectors; ++v) {
+    for (int r = 0; r < kRows; ++r) at<Width>(S + (kFirst + r) * kRow + v * kWidth) = sum[r][v];
+    if (!kEdge) continue;
+    at<Width>(S + 8 * kRow + v * kWidth) = row[v];
+    for (int r = 0; r < kWidth; ++r) S[(v * kWidth + r) * kRow + 8] = column[v][r];
+  }
+  if (kEdge) S[8 * kRow + 8] = corner[0] + corner[1] + corner[2];
+}
+
+// AVX-512 holds a block in registers; AVX2 a half.
+template <typename Width>
+RAYLIGN_INLINE void subtract_products(const Elimination* Z_i,
+                                      const Elimination* Z_k,
+                                      const Product* begin,
+                                      const Product* end,
+                                      Block& block) {
+  double* S = block.values;
+  if (std::is_same_v<Width, Eight>) {
+    subtract_sweep<Width, 0, 8, true>(Z_i, Z_k, begin, end, S);
+  } else {
+    subtract_sweep<Width, 0, 4, false>(Z_i, Z_k, begin, end, S);
+    subtract_sweep<Width, 4, 8, false>(Z_i, Z_k, begin, end, S);
+    subtract_sweep<Width, 8, 8, true>(Z_i, Z_k, begin, end, S);
+  }
+}
+
+template <typename Width>
+RAYLIGN_INLINE void subtract_visits(const ProductWindows& plan,
+                                    const ProductWindow& window,
+                                    std::int32_t row_begin,
+                                    std::int32_t row_end,
+                                    const SchurBlocks& S,
+                                    const Elimination* Z) {
+  const Product* products = plan.products + window.products_begin;
+  std::int32_t begin = 0;
+  for (auto v = window.visits_begin; v < window.visits_end; ++v) {
+    const BlockVisit& visit = plan.visits[v];
+    if (visit.row >= row_end) return;
+    if (visit.row >= row_begin) {
+      subtract_products<Width>(Z, Z, products + begin, products + visit.products_end,
+                               S.blocks[visit.block]);
+    }
+    begin = visit.products_end;
+  }
+}
+
+// The block rows of one track that no plan lists.
+template <typename Width>
+RAYLIGN_INLINE void subtract_track(const std::int32_t* track,
+                                   std::int64_t length,
+                                   std::int32_t row_begin,
+                                   std::int32_t row_end,
+                                   const SchurBlocks& S,
+                                   const Elimination* Z) {
+  const Product itself = {0, 0};
+  for (std::int64_t a = 0; a < length && track[a] < row_end; ++a) {
+    if (track[a] < row_begin || S.active[track[a]] == 0) continue;
+    std::int64_t block = S.starts[track[a]];
+    for (std::int64_t b = a; b < length; ++b) {
+      if (S.active[track[b]] == 0) continue;
+      while (S.columns[block] < track[b]) ++block;
+      subtract_products<Width>(Z + a, Z + b, &itself, &itself + 1, S.blocks[block]);
+      if (a == b || track[a] != track[b]) continue;
+      subtract_products<Width>(Z + b, Z + a, &itself, &itself + 1, S.blocks[block]);
     }
   }
 }
 
-}  // namespace
-
-RAYLIGN_CLONES void subtract_landmarks(const Observations& observations,
-                                       std::int64_t num_landmarks,
+// Z of a window's observations by cameras from row_begin on; the right-hand side of the rows.
+RAYLIGN_INLINE void eliminate_landmark(const Observations& observations,
+                                       std::int64_t j,
                                        const CameraPacket* packets,
                                        const double* X,
                                        const ObservationJacobian* J,
@@ -85,35 +180,99 @@ RAYLIGN_CLONES void subtract_landmarks(const Observations& observations,
                                        std::int32_t row_begin,
                                        std::int32_t row_end,
                                        const SchurBlocks& S,
-                                       Elimination* scratch,
-                                       std::int32_t* ids) {
-  const std::uint16_t* places = S.places;
-  for (std::int64_t j = 0; j < num_landmarks; ++j) {
-    const std::int64_t first = observations.starts[j];
-    const std::int64_t length = observations.starts[j + 1] - first;
-    const bool tabulated = length <= S.max_tabulated;
-    const std::uint16_t* track_places = tabulated ? places : nullptr;
-    if (tabulated) places += length * (length + 1) / 2;
-    const std::int32_t* track = observations.camera + first;
-    if (track[0] >= row_end || track[length - 1] < row_begin) continue;
-    const double* W = factors[j].W;
-    double y[3];
-    multiply_transposed(W, blocks[j].g, y);
-    for (std::int64_t a = 0; a < length; ++a) {
-      const std::int32_t i = track[a];
-      ids[a] = i < row_begin || S.active[i] == 0 ? -1 : i;
-      if (ids[a] < 0) continue;
-      alignas(32) double F[2 * kRow];
-      camera_rows(J[first + a], X + 3 * j, packets[i].c, F);
-      const double* Z = scratch[a].Z;
-      eliminate(J[first + a], W, F, scratch[a]);
-      if (i >= row_end) continue;
-      double* rhs = S.rhs + std::int64_t{i} * kRow;
-      for (int k = 0; k < 9; ++k)
-        rhs[k] += Z[k] * y[0] + Z[kRow + k] * y[1] + Z[2 * kRow + k] * y[2];
-    }
-    subtract_track(S, row_end, length, ids, scratch, track_places);
+                                       Elimination* Z) {
+  const std::int64_t first = observations.starts[j];
+  const std::int64_t length = observations.starts[j + 1] - first;
+  const std::int32_t* track = observations.camera + first;
+  if (track[0] >= row_end || track[length - 1] < row_begin) return;
+  const double* W = factors[j].W;
+  double y[3];
+  multiply_transposed(W, blocks[j].g, y);
+  for (std::int64_t a = 0; a < length; ++a) {
+    const std::int32_t i = track[a];
+    if (i < row_begin || S.active[i] == 0) continue;
+    eliminate(J[first + a], W, X + 3 * j, packets[i].c, Z[a]);
+    if (i < row_end) add_rhs(Z[a], y, S.rhs + std::int64_t{i} * kRow);
   }
+}
+
+template <typename Width>
+RAYLIGN_INLINE void subtract_windows(const Observations& observations,
+                                     const ProductWindows& plan,
+                                     const CameraPacket* packets,
+                                     const double* X,
+                                     const ObservationJacobian* J,
+                                     const LandmarkBlock* blocks,
+                                     const LandmarkFactor* factors,
+                                     std::int32_t row_begin,
+                                     std::int32_t row_end,
+                                     const SchurBlocks& S,
+                                     Elimination* scratch) {
+  for (std::int64_t w = 0; w < plan.count; ++w) {
+    const ProductWindow& window = plan.windows[w];
+    const std::int64_t first = observations.starts[window.landmark_begin];
+    for (auto j = window.landmark_begin; j < window.landmark_end; ++j) {
+      eliminate_landmark(observations, j, packets, X, J, blocks, factors, row_begin, row_end, S,
+                         scratch + (observations.starts[j] - first));
+    }
+    if (window.is_planned) {
+      subtract_visits<Width>(plan, window, row_begin, row_end, S, scratch);
+    } else {
+      const std::int64_t length = observations.starts[window.landmark_end] - first;
+      subtract_track<Width>(observations.camera + first, length, row_begin, row_end, S, scratch);
+    }
+  }
+}
+
+RAYLIGN_CLONES void subtract_narrow(const Observations& observations,
+                                    const ProductWindows& plan,
+                                    const CameraPacket* packets,
+                                    const double* X,
+                                    const ObservationJacobian* J,
+                                    const LandmarkBlock* blocks,
+                                    const LandmarkFactor* factors,
+                                    std::int32_t row_begin,
+                                    std::int32_t row_end,
+                                    const SchurBlocks& S,
+                                    Elimination* scratch) {
+  subtract_windows<Four>(observations, plan, packets, X, J, blocks, factors, row_begin, row_end, S,
+                         scratch);
+}
+
+RAYLIGN_AVX512 void subtract_wide(const Observations& observations,
+                                  const ProductWindows& plan,
+                                  const CameraPacket* packets,
+                                  const double* X,
+                                  const ObservationJacobian* J,
+                                  const LandmarkBlock* blocks,
+                                  const LandmarkFactor* factors,
+                                  std::int32_t row_begin,
+                                  std::int32_t row_end,
+                                  const SchurBlocks& S,
+                                  Elimination* scratch) {
+  subtract_windows<Eight>(observations, plan, packets, X, J, blocks, factors, row_begin, row_end, S,
+                          scratch);
+}
+
+}  // namespace
+
+SubtractLandmarks* narrow_subtract_landmarks() { return subtract_narrow; }
+
+SubtractLandmarks* wide_subtract_landmarks() { return has_avx512() ? subtract_wide : nullptr; }
+
+void subtract_landmarks(const Observations& observations,
+                        const ProductWindows& plan,
+                        const CameraPacket* packets,
+                        const double* X,
+                        const ObservationJacobian* J,
+                        const LandmarkBlock* blocks,
+                        const LandmarkFactor* factors,
+                        std::int32_t row_begin,
+                        std::int32_t row_end,
+                        const SchurBlocks& S,
+                        Elimination* scratch) {
+  SubtractLandmarks* const body = has_avx512() ? subtract_wide : subtract_narrow;
+  body(observations, plan, packets, X, J, blocks, factors, row_begin, row_end, S, scratch);
 }
 
 RAYLIGN_CLONES void fold_block(const Block& M,

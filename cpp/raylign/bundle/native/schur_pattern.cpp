@@ -3,14 +3,10 @@
 #include "raylign/bundle/native/schur_pattern.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace raylign::native {
 namespace {
-
-// Half of these entries per observation at most: 32 bytes.
-constexpr std::int64_t kMaxTabulated = 32;
 
 // Landmarks of each camera, ascending, one entry per observation: starts (C + 1,), landmarks (N,).
 std::pair<std::vector<std::int64_t>, std::vector<std::int32_t>> landmarks_by_camera(
@@ -34,13 +30,6 @@ SchurPattern::SchurPattern(const Layout& layout, std::vector<unsigned char> acti
     : active(std::move(active_cameras)) {
   const auto [track_starts, tracks] = landmarks_by_camera(layout);
   find_columns(layout, track_starts, tracks);
-  std::int64_t longest_row = 0;
-  for (std::int32_t i = 0; i < num_cameras(); ++i) {
-    longest_row = std::max(longest_row, starts[i + 1] - starts[i]);
-  }
-  if (longest_row > std::numeric_limits<std::uint16_t>::max()) return;
-  max_tabulated = kMaxTabulated;
-  find_places(layout, track_starts, tracks);
 }
 
 void SchurPattern::find_columns(const Layout& layout,
@@ -65,31 +54,10 @@ void SchurPattern::find_columns(const Layout& layout,
   }
 }
 
-void SchurPattern::find_places(const Layout& layout,
-                               const std::vector<std::int64_t>& track_starts,
-                               const std::vector<std::int32_t>& tracks) {
-  std::vector<std::int64_t> first_pair(layout.num_landmarks() + 1, 0);
-  for (std::int64_t j = 0; j < layout.num_landmarks(); ++j) {
-    const std::int64_t length = layout.starts[j + 1] - layout.starts[j];
-    first_pair[j + 1] = first_pair[j] + (length <= max_tabulated ? length * (length + 1) / 2 : 0);
-  }
-  places.resize(first_pair.back());
-  std::vector<std::uint16_t> place(num_cameras(), 0);
-  for (std::int32_t i = 0; i < num_cameras(); ++i) {
-    for (auto b = starts[i]; b < starts[i + 1]; ++b) {
-      place[columns[b]] = static_cast<std::uint16_t>(b - starts[i]);
-    }
-    for (auto t = track_starts[i]; active[i] != 0 && t < track_starts[i + 1]; ++t) {
-      const std::int64_t j = tracks[t];
-      const std::int32_t* track = layout.camera.data() + layout.starts[j];
-      const std::int64_t length = layout.starts[j + 1] - layout.starts[j];
-      if (length > max_tabulated) continue;
-      std::uint16_t* out = places.data() + first_pair[j];
-      for (std::int64_t a = 0; a < length && track[a] <= i; out += length - a, ++a) {
-        for (std::int64_t b = a; track[a] == i && b < length; ++b) out[b - a] = place[track[b]];
-      }
-    }
-  }
+std::int32_t SchurPattern::find(std::int32_t i, std::int32_t k) const {
+  const auto begin = columns.begin();
+  return static_cast<std::int32_t>(std::lower_bound(begin + starts[i], begin + starts[i + 1], k) -
+                                   begin);
 }
 
 }  // namespace raylign::native

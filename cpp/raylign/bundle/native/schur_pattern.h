@@ -9,8 +9,8 @@
 
 namespace raylign::native {
 
-/// Which blocks the reduced camera system S has: the upper triangle by block rows, and for every
-/// pair of observations of a landmark the block that it falls into. Found once; no table is C × C.
+/// Which blocks the reduced camera system S has: the upper triangle by block rows. Found
+/// once; no table is C × C.
 struct SchurPattern {
   /// @param active  (C,) 0: the camera does not move, S has no row for it
   SchurPattern(const Layout& layout, std::vector<unsigned char> active);
@@ -19,24 +19,18 @@ struct SchurPattern {
   std::vector<std::int64_t> starts;   ///< (C + 1,) first block of each row
   std::vector<std::int32_t> columns;  ///< (num_blocks,) ascending in a row, the diagonal first
 
-  /// Place in its row of the block of each pair a <= b of observations of a landmark, landmark
-  /// after landmark, (a, b) lexicographic. Tracks longer than max_tabulated have no entries: their
-  /// pairs would take k / 2 entries per observation, and their rows are searched.
-  std::vector<std::uint16_t> places;
-  std::int64_t max_tabulated = 0;
-
   std::int64_t num_pairs = 0;  ///< of moving cameras: products Z Zᵀ in one formation of S
 
   std::int32_t num_cameras() const { return static_cast<std::int32_t>(active.size()); }
   std::int64_t num_blocks() const { return static_cast<std::int64_t>(columns.size()); }
 
+  /// Block (i, k), i <= k, which must exist.
+  std::int32_t find(std::int32_t i, std::int32_t k) const;
+
  private:
   void find_columns(const Layout& layout,
                     const std::vector<std::int64_t>& track_starts,
                     const std::vector<std::int32_t>& tracks);
-  void find_places(const Layout& layout,
-                   const std::vector<std::int64_t>& track_starts,
-                   const std::vector<std::int32_t>& tracks);
 };
 
 }  // namespace raylign::native

@@ -17,13 +17,14 @@ std::vector<unsigned char> moving_cameras(const CameraBlocks& cameras) {
 }  // namespace
 
 SchurSystem::SchurSystem(const Layout& layout, const CameraBlocks& cameras, int num_threads)
-    : layout_(layout), cameras_(cameras), pattern_(layout, moving_cameras(cameras)) {
+    : layout_(layout),
+      cameras_(cameras),
+      pattern_(layout, moving_cameras(cameras)),
+      plan_(layout, pattern_) {
   split_rows(num_threads);
   blocks_.resize(pattern_.num_blocks());
   rhs_.resize(static_cast<std::size_t>(layout.num_cameras) * kRow);
-  const std::int64_t track = layout.max_track_length();
-  scratch_.assign(num_threads, std::vector<Elimination>(track));
-  ids_.assign(num_threads, std::vector<std::int32_t>(track));
+  scratch_.assign(num_threads, std::vector<Elimination>(layout.max_window()));
 }
 
 // Cuts the block rows so that each part has about the same number of products.
@@ -52,19 +53,16 @@ void SchurSystem::form(const CameraPacket* packets,
                        const std::vector<double>& damping,
                        ThreadPool& pool) {
   const Observations observations{layout_.starts.data(), layout_.camera.data(), layout_.uv.data()};
-  const SchurBlocks S{pattern_.active.data(),
-                      pattern_.starts.data(),
-                      pattern_.columns.data(),
-                      pattern_.places.data(),
-                      pattern_.max_tabulated,
-                      blocks_.data(),
-                      rhs_.data()};
+  const SchurBlocks S{pattern_.active.data(), pattern_.starts.data(), pattern_.columns.data(),
+                      blocks_.data(), rhs_.data()};
+  const ProductWindows plan{static_cast<std::int64_t>(plan_.windows.size()), plan_.windows.data(),
+                            plan_.visits.data(), plan_.products.data()};
   pool.run(static_cast<int>(row_parts_.size()) - 1, [&](int part) {
     const std::int32_t begin = row_parts_[part];
     const std::int32_t end = row_parts_[part + 1];
     set_cameras(sums, begin, end);
-    subtract_landmarks(observations, layout_.num_landmarks(), packets, X, J, blocks, factors, begin,
-                       end, S, scratch_[part].data(), ids_[part].data());
+    subtract_landmarks(observations, plan, packets, X, J, blocks, factors, begin, end, S,
+                       scratch_[part].data());
     fold_rows(damping, begin, end);
   });
 }

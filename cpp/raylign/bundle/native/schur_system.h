@@ -9,6 +9,7 @@
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/product_plan.h"
 #include "raylign/bundle/native/schur_kernels.h"
 #include "raylign/bundle/native/schur_pattern.h"
 
@@ -49,11 +50,11 @@ class SchurSystem {
   const Layout& layout_;
   const CameraBlocks& cameras_;
   SchurPattern pattern_;
+  ProductPlan plan_;
   std::vector<Block> blocks_;
   std::vector<double> rhs_;
   std::vector<std::int32_t> row_parts_;
   std::vector<std::vector<Elimination>> scratch_;
-  std::vector<std::vector<std::int32_t>> ids_;
 };
 
 }  // namespace raylign::native

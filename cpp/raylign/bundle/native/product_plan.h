@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/schur_kernels.h"
+#include "raylign/bundle/native/schur_pattern.h"
+
+namespace raylign::native {
+
+/// The products Z_i Z_kᵀ of every window of the layout, sorted by the block that they fall into: a
+/// block is then read and written once per window and summed in registers. Four bytes a product;
+/// the landmarks of tracks too long for that (Layout::kLongTrack) have none and are searched.
+struct ProductPlan {
+  ProductPlan(const Layout& layout, const SchurPattern& pattern);
+
+  std::vector<ProductWindow> windows;  ///< one per window of the layout
+  std::vector<BlockVisit> visits;      ///< window after window, blocks ascending
+  std::vector<Product> products;       ///< visit after visit, in the order of the landmarks
+};
+
+}  // namespace raylign::native
