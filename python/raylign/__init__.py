@@ -10,7 +10,19 @@ True
 from importlib import import_module
 from types import ModuleType
 
-from raylign import bundle, camera, depth, errors, geometry, image, io, robust, scene, synthetic
+from raylign import (
+    bundle,
+    camera,
+    depth,
+    errors,
+    geometry,
+    image,
+    io,
+    robust,
+    scene,
+    synthetic,
+    trajectory,
+)
 from raylign._core import __version__
 from raylign.bundle import BundleConfig, BundleOptions, LinearSolverOptions, LmOptions, Termination
 from raylign.errors import Error, FormatError, OptionsError, ShapeError
@@ -41,6 +53,7 @@ __all__ = [
     "robust",
     "scene",
     "synthetic",
+    "trajectory",
 ]
 
 _ON_DEMAND = ("datasets", "evaluate", "viz")  # matplotlib, pooch: not at `import raylign`

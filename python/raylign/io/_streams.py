@@ -2,6 +2,7 @@
 
 import io
 import os
+from pathlib import Path
 from typing import BinaryIO
 
 from raylign._typing import PathLike
@@ -45,9 +46,32 @@ def read_all(stream: BinaryIO) -> bytes:
     return data
 
 
-def format_error(file: str, field: str, reason: str) -> FormatError:
+def format_error(file: str, field: str, reason: str, *, line: int = 0) -> FormatError:
     """Build the error that the C++ readers throw, for the readers written in Python."""
-    prefix = f"{file}: {field}: " if field else f"{file}: "
-    error = FormatError(prefix + reason)
-    error.file, error.line, error.field, error.reason = file, 0, field, reason
+    place = f"{file}:{line}: " if line else f"{file}: "
+    error = FormatError(place + (f"{field}: " if field else "") + reason)
+    error.file, error.line, error.field, error.reason = file, line, field, reason
     return error
+
+
+def write_atomically(target: PathLike | BinaryIO, data: bytes) -> None:
+    """Write a whole file; a path is replaced only once its new content is complete.
+
+    Raises:
+        FormatError: the target cannot be written.
+        TypeError: `target` is neither a path nor a binary file object.
+    """
+    resolved = path_or_stream(target)
+    if not isinstance(resolved, str):
+        resolved.write(data)
+        return
+    path = Path(resolved)
+    temporary = path.with_name(f"{path.name}.tmp-{os.getpid()}")
+    try:
+        with temporary.open("xb") as stream:
+            stream.write(data)
+        temporary.replace(path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        reason = f"cannot be written: {error.strerror or error}"
+        raise format_error(resolved, "", reason) from error
