@@ -23,6 +23,25 @@ RAYLIGN_INLINE void weigh(const Pixel* __restrict in,
   }
 }
 
+// Four neighbouring pixels: GCC's own transposition of three rows into cells takes twice as long.
+typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
+
+RAYLIGN_INLINE Four four(const float* pixels) { return *reinterpret_cast<const Four*>(pixels); }
+
+// The transpose of (value, du, dv, 0).
+RAYLIGN_INLINE void store_cells(Four value, Four du, Four dv, float* out) {
+  const Four zero = {0.0F, 0.0F, 0.0F, 0.0F};
+  const Four a01 = __builtin_shufflevector(value, du, 0, 4, 1, 5);
+  const Four a23 = __builtin_shufflevector(value, du, 2, 6, 3, 7);
+  const Four b01 = __builtin_shufflevector(dv, zero, 0, 4, 1, 5);
+  const Four b23 = __builtin_shufflevector(dv, zero, 2, 6, 3, 7);
+  Four* cells = reinterpret_cast<Four*>(out);
+  cells[0] = __builtin_shufflevector(a01, b01, 0, 1, 4, 5);
+  cells[1] = __builtin_shufflevector(a01, b01, 2, 3, 6, 7);
+  cells[2] = __builtin_shufflevector(a23, b23, 0, 1, 4, 5);
+  cells[3] = __builtin_shufflevector(a23, b23, 2, 3, 6, 7);
+}
+
 // False for NaN and infinities.
 RAYLIGN_INLINE bool is_positive(float x) { return x > 0.0F && x <= FLT_MAX; }
 
@@ -77,7 +96,14 @@ RAYLIGN_CLONES void gradient_cells(const float* __restrict above,
                                    float scale_v,
                                    std::int64_t n,
                                    float* __restrict out) {
-  for (std::int64_t i = 0; i < n; ++i) {
+  std::int64_t i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const Four value = four(here + i);
+    const Four du = 0.5F * (four(here + i + 1) - four(here + i - 1));
+    const Four dv = scale_v * (four(below + i) - four(above + i));
+    store_cells(value, du, dv, out + 4 * i);
+  }
+  for (; i < n; ++i) {
     out[4 * i] = here[i];
     out[4 * i + 1] = 0.5F * (here[i + 1] - here[i - 1]);
     out[4 * i + 2] = scale_v * (below[i] - above[i]);
