@@ -18,6 +18,7 @@ void bind_solver(pybind11::module_& m);
 void bind_scene(pybind11::module_& m);
 void bind_io(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
+void bind_render(pybind11::module_& m);
 void bind_bundle(pybind11::module_& m);
 
 }  // namespace raylign::python
