@@ -8,8 +8,10 @@
 
 #include "batch.h"
 #include "bindings.h"
+#include "image.h"
 #include "options_binder.h"
 #include "raylign/synthetic/render/renderer.h"
+#include "raylign/synthetic/render/sensor.h"
 
 namespace raylign::python {
 namespace {
@@ -80,6 +82,68 @@ void bind_render_options(py::module_& m) {
              "Rolling shutter: first to last row in frame intervals, in [0, 1].")
       .field("num_threads", &O::num_threads, "In [1, 1024]; the bits do not depend on it.")
       .finish();
+}
+
+void bind_sensor(py::module_& m) {
+  py::native_enum<SensorResponse>(m, "SensorResponse", "enum.Enum",
+                                  "Grey value out for light in, both on the scale 0..255.")
+      .value("LINEAR", SensorResponse::LINEAR)
+      .value("GAMMA", SensorResponse::GAMMA, "255 (x / 255)^(1 / gamma)")
+      .value("LUT", SensorResponse::LUT, "Linear between the values of `lut`.")
+      .finalize();
+  py::native_enum<PixelType>(m, "PixelType", "enum.Enum", "What a pixel is stored as.")
+      .value("UINT8", PixelType::UINT8)
+      .value("UINT16", PixelType::UINT16)
+      .value("FLOAT32", PixelType::FLOAT32)
+      .finalize();
+  using O = SensorOptions;
+  OptionsBinder<O>(
+      m, "SensorOptions",
+      "A camera's sensor and electronics.\n\nimage = response(vignette(r) * exposure * "
+      "e^gain * irradiance + bias) + N(0, read_noise^2 +\nshot_noise * signal), then "
+      "rounded and clipped to `format`; r is the distance to the image\ncentre over "
+      "half the diagonal.",
+      [](const O& options) { options.validate(); })
+      .field("exposure", &O::exposure, "Factor of the light, > 0.")
+      .field("gain", &O::gain, "a: the light is multiplied by e^a, in [-10, 10].")
+      .field("bias", &O::bias, "b: grey values added.")
+      .field("vignette_r2", &O::vignette_r2,
+             "vignette(r) = 1 + vignette_r2 r^2 + vignette_r4 r^4 + vignette_r6 r^6 > 0.")
+      .field("vignette_r4", &O::vignette_r4, "See vignette_r2.")
+      .field("vignette_r6", &O::vignette_r6, "See vignette_r2.")
+      .field("response", &O::response, "SensorResponse: LINEAR, GAMMA or LUT.")
+      .field("gamma", &O::gamma, "GAMMA: in [0.1, 10].")
+      .field("lut", &O::lut,
+             "LUT: list of at least two values in [0, 255] that do not decrease, at equal steps of "
+             "the light from 0 to 255.")
+      .field("read_noise", &O::read_noise,
+             "Sigma of the signal-independent noise in grey values, >= 0.")
+      .field("shot_noise", &O::shot_noise, "Variance of the noise per grey value, >= 0.")
+      .field("format", &O::format,
+             "PixelType: UINT8; UINT16, where 65535 is grey 255; FLOAT32, neither rounded nor "
+             "clipped.")
+      .finish();
+}
+
+using DoubleMap = Eigen::Map<const Rows<double, Eigen::Dynamic>>;
+
+DoubleMap map_of(const F64Array& array, const char* name) {
+  if (array.ndim() != 2) throw ShapeError(std::string(name) + " must be of shape (H, W)");
+  return {array.data(), array.shape(0), array.shape(1)};
+}
+
+py::array expose_map(const py::object& irradiance,
+                     const SensorOptions& options,
+                     std::uint64_t seed,
+                     std::uint64_t index) {
+  const F64Array array = batch_from_numpy(irradiance, {}, "irradiance");
+  const DoubleMap map = map_of(array, "irradiance");
+  Image image;
+  {
+    const py::gil_scoped_release release;
+    image = expose(map, options, seed, index);
+  }
+  return to_numpy(std::move(image));
 }
 
 template <typename T>
@@ -198,6 +262,9 @@ void bind_render(py::module_& m) {
   bind_height_field(m);
   bind_render_options(m);
   bind_scene_class(m);
+  bind_sensor(m);
+  m.def("expose", &expose_map, py::arg("irradiance"), py::kw_only(), py::arg("options"),
+        py::arg("seed"), py::arg("index"));
   m.def("render", &render, py::arg("scene"), py::arg("camera"), py::arg("T_cw"), py::kw_only(),
         py::arg("width"), py::arg("height"), py::arg("options"), py::arg("motion"),
         "(irradiance, depth, normal, face).");

@@ -973,6 +973,247 @@ def write_synthetic_bal(
     options: BalOptions, path: str, *, truth_path: str | None, progress: object
 ) -> tuple[Any, ...]: ...
 
+class TextureKind(enum.Enum):
+    BANDLIMITED = 0
+    NOISE = 1
+    CHECKER = 2
+    UNIFORM = 3
+
+class TextureOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    kind: TextureKind
+    seed: int
+    min_wavelength: float
+    max_wavelength: float
+    num_waves: int
+    mean: float
+    contrast: float
+    def __init__(
+        self,
+        *,
+        kind: TextureKind | str = ...,
+        seed: int = ...,
+        min_wavelength: float = ...,
+        max_wavelength: float = ...,
+        num_waves: int = ...,
+        mean: float = ...,
+        contrast: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        kind: TextureKind | str = ...,
+        seed: int = ...,
+        min_wavelength: float = ...,
+        max_wavelength: float = ...,
+        num_waves: int = ...,
+        mean: float = ...,
+        contrast: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class HeightFieldOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    width: float
+    height: float
+    amplitude: float
+    min_wavelength: float
+    max_wavelength: float
+    num_waves: int
+    seed: int
+    def __init__(
+        self,
+        *,
+        width: float = ...,
+        height: float = ...,
+        amplitude: float = ...,
+        min_wavelength: float = ...,
+        max_wavelength: float = ...,
+        num_waves: int = ...,
+        seed: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        width: float = ...,
+        height: float = ...,
+        amplitude: float = ...,
+        min_wavelength: float = ...,
+        max_wavelength: float = ...,
+        num_waves: int = ...,
+        seed: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class Antialiasing(enum.Enum):
+    NONE = 0
+    BANDLIMIT = 1
+    SUPERSAMPLE = 2
+
+class RenderOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    antialiasing: Antialiasing
+    supersampling: int
+    psf_sigma: float
+    background: float
+    exposure_time: float
+    blur_samples: int
+    readout_time: float
+    num_threads: int
+    def __init__(
+        self,
+        *,
+        antialiasing: Antialiasing | str = ...,
+        supersampling: int = ...,
+        psf_sigma: float = ...,
+        background: float = ...,
+        exposure_time: float = ...,
+        blur_samples: int = ...,
+        readout_time: float = ...,
+        num_threads: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        antialiasing: Antialiasing | str = ...,
+        supersampling: int = ...,
+        psf_sigma: float = ...,
+        background: float = ...,
+        exposure_time: float = ...,
+        blur_samples: int = ...,
+        readout_time: float = ...,
+        num_threads: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class Scene:
+    @property
+    def num_faces(self) -> int: ...
+    def __init__(self) -> None: ...
+    def add_box(self, T_ws: object, *, size: object, texture: TextureOptions) -> None: ...
+    def add_rectangle(
+        self, T_ws: object, *, width: float, height: float, texture: TextureOptions
+    ) -> None: ...
+    def add_sphere(self, T_ws: object, *, radius: float, texture: TextureOptions) -> None: ...
+    def add_height_field(
+        self, T_ws: object, *, options: HeightFieldOptions, texture: TextureOptions
+    ) -> None: ...
+    def add(self, other: Scene) -> None: ...
+    def __add__(self, other: Scene) -> Scene: ...
+    def texture_at(self, face: int, p_w: object) -> tuple[Any, ...]: ...
+
+class SensorResponse(enum.Enum):
+    LINEAR = 0
+    GAMMA = 1
+    LUT = 2
+
+class PixelType(enum.Enum):
+    UINT8 = 0
+    UINT16 = 1
+    FLOAT32 = 2
+
+class SensorOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    exposure: float
+    gain: float
+    bias: float
+    vignette_r2: float
+    vignette_r4: float
+    vignette_r6: float
+    response: SensorResponse
+    gamma: float
+    lut: list[float]
+    read_noise: float
+    shot_noise: float
+    format: PixelType
+    def __init__(
+        self,
+        *,
+        exposure: float = ...,
+        gain: float = ...,
+        bias: float = ...,
+        vignette_r2: float = ...,
+        vignette_r4: float = ...,
+        vignette_r6: float = ...,
+        response: SensorResponse | str = ...,
+        gamma: float = ...,
+        lut: list[float] = ...,
+        read_noise: float = ...,
+        shot_noise: float = ...,
+        format: PixelType | str = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        exposure: float = ...,
+        gain: float = ...,
+        bias: float = ...,
+        vignette_r2: float = ...,
+        vignette_r4: float = ...,
+        vignette_r6: float = ...,
+        response: SensorResponse | str = ...,
+        gamma: float = ...,
+        lut: list[float] = ...,
+        read_noise: float = ...,
+        shot_noise: float = ...,
+        format: PixelType | str = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+def expose(
+    irradiance: object, *, options: SensorOptions, seed: int, index: int
+) -> NDArray[Any]: ...
+@overload
+def render(
+    scene: Scene,
+    camera: RadtanCamera,
+    T_cw: object,
+    *,
+    width: int,
+    height: int,
+    options: RenderOptions,
+    motion: object,
+) -> tuple[Any, ...]: ...
+@overload
+def render(
+    scene: Scene,
+    camera: PinholeCamera,
+    T_cw: object,
+    *,
+    width: int,
+    height: int,
+    options: RenderOptions,
+    motion: object,
+) -> tuple[Any, ...]: ...
+
 class Linearization:
     @property
     def cost(self) -> float: ...

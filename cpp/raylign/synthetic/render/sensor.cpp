@@ -121,8 +121,8 @@ Image expose(const Eigen::Ref<const Rows<double, Eigen::Dynamic>>& irradiance,
     const double dv = v - 0.5 * (height - 1);
     for (int u = 0; u < width; ++u) {
       const double du = u - 0.5 * (width - 1);
-      const double light = vignette(options, (du * du + dv * dv) / half_diagonal_squared) *
-                           factor * irradiance(v, u);
+      const double light = vignette(options, (du * du + dv * dv) / half_diagonal_squared) * factor *
+                           irradiance(v, u);
       row[u] = respond(options, light + options.bias);
       if (!is_noisy) continue;
       const double variance = read_variance + options.shot_noise * std::max(0.0, row[u]);

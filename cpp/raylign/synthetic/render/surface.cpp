@@ -44,7 +44,7 @@ class Box : public Surface {
       for (int axis = 0; axis < 3; ++axis) {
         const double d = rays.direction[i][axis];
         const double o = rays.origin[axis];
-        const int upper = d > 0.0 ? 1 : 0;
+        const int upper = std::signbit(d) ? 0 : 1;  // a zero, too, has a side: ±h / ±0 = +∞
         const double out = ((upper ? half_[axis] : -half_[axis]) - o) / d;
         const double in = ((upper ? -half_[axis] : half_[axis]) - o) / d;
         if (in > enter) {

@@ -1,11 +1,4 @@
-"""Known-truth scenes for experiments and for users' own tests.
-
-`bal` makes bundle adjustment problems of 2 to 100 000 cameras with their answer: a vehicle that
-drives laps through a city (`BalKind.STREET`, with loop closures) or a photo collection around a
-building (`BalKind.ORBIT`). World frame: metres, z up. Every number is a function of the options:
-the same seed gives the same bits on every machine, and turning one knob (say, the pixel noise)
-leaves the draws behind the others as they were.
-"""
+"""Synthetic problems of Bundle Adjustment in the Large."""
 
 import os
 from collections.abc import Callable
@@ -13,12 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from raylign import _core
-from raylign._core import BalKind, BalOptions
+from raylign._core import BalOptions
 from raylign._typing import Bool, PathLike
 from raylign.errors import OptionsError
 from raylign.scene import BalProblem
-
-__all__ = ["BalKind", "BalOptions", "SyntheticBal", "bal", "write_bal"]
 
 
 @dataclass(frozen=True)
@@ -62,6 +53,7 @@ def bal(options: BalOptions | None = None, **changes: Any) -> SyntheticBal:
     Note: deterministic. Releases the GIL. Takes about a microsecond per observation.
 
     Example:
+        >>> from raylign.synthetic import bal
         >>> scene = bal(kind="orbit", num_cameras=12, num_points=400, seed=7)
         >>> scene.problem.num_cameras, scene.problem.num_points, scene.inlier_mask.all().item()
         (12, 400, True)
@@ -104,6 +96,7 @@ def write_bal(
 
     Example:
         >>> import pathlib, tempfile
+        >>> from raylign.synthetic import BalKind, BalOptions, write_bal
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     write_bal(
         ...         pathlib.Path(folder) / "orbit.txt.gz",
