@@ -10,6 +10,7 @@
 #include "bindings.h"
 #include "image.h"
 #include "options_binder.h"
+#include "raylign/synthetic/render/depth_sensor.h"
 #include "raylign/synthetic/render/renderer.h"
 #include "raylign/synthetic/render/sensor.h"
 
@@ -146,6 +147,31 @@ py::array expose_map(const py::object& irradiance,
   return to_numpy(std::move(image));
 }
 
+void bind_depth_sensor(py::module_& m) {
+  using O = DepthSensorOptions;
+  OptionsBinder<O>(
+      m, "DepthSensorOptions",
+      "A depth camera: noise on the inverse depth D = 1/Z, its quantisation, and holes. "
+      "The default is\nlike a Kinect.",
+      [](const O& options) { options.validate(); })
+      .field("model", &O::model,
+             "DepthModel: law of the noise, range, and how far from a step of the depth there is "
+             "none.")
+      .field("noise", &O::noise, "Factor of the law's sigma, >= 0; 0: no noise.")
+      .field("correlation_length", &O::correlation_length,
+             "l in px, in [0, 64]: the noise has autocorrelation exp(-d^2 / (2 l^2)).")
+      .field("inverse_depth_step", &O::inverse_depth_step,
+             "D is rounded to multiples of it, 1/m, >= 0; 0: not rounded. 0.0029 is 1/8 px of "
+             "disparity at f b = 575 px * 7.5 cm.")
+      .field("max_incidence_deg", &O::max_incidence_deg,
+             "No depth where ray and normal differ by more, degrees, in (0, 90].")
+      .field("dropout", &O::dropout, "Fraction of the pixels without depth at random, in [0, 1].")
+      .finish();
+}
+
+RadtanCamera as_radtan(const RadtanCamera& camera) { return camera; }
+RadtanCamera as_radtan(const PinholeCamera& camera) { return RadtanCamera(camera, {}); }
+
 template <typename T>
 T one(const py::object& object, const char* name) {
   const F64Array array = batch_from_numpy(object, Item<T>::shape(), name);
@@ -255,6 +281,44 @@ py::tuple render(const RenderScene& scene,
                         normal.reshape({height, width, 3}), py::cast(std::move(frame.face)));
 }
 
+Rows<float, Eigen::Dynamic> sense(const py::object& depth,
+                                  const py::object& normal,
+                                  const RadtanCamera& camera,
+                                  const DepthSensorOptions& options,
+                                  std::uint64_t seed,
+                                  std::uint64_t index) {
+  const F64Array z = batch_from_numpy(depth, {}, "depth");
+  const F64Array n = batch_from_numpy(normal, {3}, "normal");
+  const DoubleMap depth_map = map_of(z, "depth");
+  if (n.ndim() != 3 || n.shape(0) != z.shape(0) || n.shape(1) != z.shape(1)) {
+    throw ShapeError("normal must be of shape (H, W, 3) as depth, got " + describe_array(n));
+  }
+  const Eigen::Map<const Rows<double, 3>> normals(n.data(), z.size(), 3);
+  const py::gil_scoped_release release;
+  return sense_depth(depth_map, normals, camera, options, seed, index);
+}
+
+template <typename Camera>
+void bind_functions(py::module_& m) {
+  m.def(
+      "render",
+      [](const RenderScene& scene, const Camera& camera, const py::object& T_cw, int width,
+         int height, const RenderOptions& options, const py::object& motion) {
+        return render(scene, as_radtan(camera), T_cw, width, height, options, motion);
+      },
+      py::arg("scene"), py::arg("camera"), py::arg("T_cw"), py::kw_only(), py::arg("width"),
+      py::arg("height"), py::arg("options"), py::arg("motion"),
+      "(irradiance, depth, normal, face).");
+  m.def(
+      "sense_depth",
+      [](const py::object& depth, const py::object& normal, const Camera& camera,
+         const DepthSensorOptions& options, std::uint64_t seed, std::uint64_t index) {
+        return sense(depth, normal, as_radtan(camera), options, seed, index);
+      },
+      py::arg("depth"), py::arg("normal"), py::arg("camera"), py::kw_only(), py::arg("options"),
+      py::arg("seed"), py::arg("index"));
+}
+
 }  // namespace
 
 void bind_render(py::module_& m) {
@@ -263,19 +327,20 @@ void bind_render(py::module_& m) {
   bind_render_options(m);
   bind_scene_class(m);
   bind_sensor(m);
+  bind_depth_sensor(m);
   m.def("expose", &expose_map, py::arg("irradiance"), py::kw_only(), py::arg("options"),
         py::arg("seed"), py::arg("index"));
-  m.def("render", &render, py::arg("scene"), py::arg("camera"), py::arg("T_cw"), py::kw_only(),
-        py::arg("width"), py::arg("height"), py::arg("options"), py::arg("motion"),
-        "(irradiance, depth, normal, face).");
+  bind_functions<PinholeCamera>(m);
+  bind_functions<RadtanCamera>(m);
   m.def(
-      "render",
-      [](const RenderScene& scene, const PinholeCamera& camera, const py::object& T_cw, int width,
-         int height, const RenderOptions& options, const py::object& motion) {
-        return render(scene, RadtanCamera(camera, {}), T_cw, width, height, options, motion);
+      "noise_field",
+      [](int width, int height, double correlation_length, std::uint64_t seed,
+         std::uint64_t index) {
+        const py::gil_scoped_release release;
+        return noise_field(width, height, correlation_length, seed, index);
       },
-      py::arg("scene"), py::arg("camera"), py::arg("T_cw"), py::kw_only(), py::arg("width"),
-      py::arg("height"), py::arg("options"), py::arg("motion"));
+      py::kw_only(), py::arg("width"), py::arg("height"), py::arg("correlation_length"),
+      py::arg("seed"), py::arg("index"));
 }
 
 }  // namespace raylign::python

@@ -1188,9 +1188,57 @@ class SensorOptions:
     def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+class DepthSensorOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    model: DepthModel
+    noise: float
+    correlation_length: float
+    inverse_depth_step: float
+    max_incidence_deg: float
+    dropout: float
+    def __init__(
+        self,
+        *,
+        model: DepthModel = ...,
+        noise: float = ...,
+        correlation_length: float = ...,
+        inverse_depth_step: float = ...,
+        max_incidence_deg: float = ...,
+        dropout: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        model: DepthModel = ...,
+        noise: float = ...,
+        correlation_length: float = ...,
+        inverse_depth_step: float = ...,
+        max_incidence_deg: float = ...,
+        dropout: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
 def expose(
     irradiance: object, *, options: SensorOptions, seed: int, index: int
 ) -> NDArray[Any]: ...
+@overload
+def render(
+    scene: Scene,
+    camera: PinholeCamera,
+    T_cw: object,
+    *,
+    width: int,
+    height: int,
+    options: RenderOptions,
+    motion: object,
+) -> tuple[Any, ...]: ...
 @overload
 def render(
     scene: Scene,
@@ -1203,16 +1251,28 @@ def render(
     motion: object,
 ) -> tuple[Any, ...]: ...
 @overload
-def render(
-    scene: Scene,
+def sense_depth(
+    depth: object,
+    normal: object,
     camera: PinholeCamera,
-    T_cw: object,
     *,
-    width: int,
-    height: int,
-    options: RenderOptions,
-    motion: object,
-) -> tuple[Any, ...]: ...
+    options: DepthSensorOptions,
+    seed: int,
+    index: int,
+) -> object: ...
+@overload
+def sense_depth(
+    depth: object,
+    normal: object,
+    camera: RadtanCamera,
+    *,
+    options: DepthSensorOptions,
+    seed: int,
+    index: int,
+) -> object: ...
+def noise_field(
+    *, width: int, height: int, correlation_length: float, seed: int, index: int
+) -> NDArray[np.float64]: ...
 
 class Linearization:
     @property

@@ -27,7 +27,7 @@ WHITE = TextureOptions(kind="uniform", mean=100.0)
 
 SCENES = {
     "room": synthetic.room(seed=1),
-    "boxes": synthetic.boxes(3, seed=2),
+    "boxes": synthetic.boxes(n=3, seed=2),
     "plane": synthetic.plane(seed=3, slant_deg=40.0),
     "height_field": synthetic.height_field(seed=4),
     "sphere": synthetic.sphere(seed=5),
@@ -360,7 +360,7 @@ def test_bad_arguments_are_refused():
         lambda: synthetic.room(size=(1.0, 0.0, 1.0)),
         lambda: synthetic.plane(slant_deg=90.0),
         lambda: synthetic.plane(distance=-1.0),
-        lambda: synthetic.boxes(-1),
+        lambda: synthetic.boxes(n=-1),
         lambda: synthetic.sphere(radius=0.0),
         lambda: synthetic.board(size=(0.0, 1.0)),
         lambda: synthetic.look_at([0, 0, 0], [0, 1, 0]),
@@ -379,6 +379,6 @@ def test_look_at_looks_at():
     level = synthetic.look_at([1.0, -0.5, 0.2], [0.3, 0.4, 2.0])
     assert level[1, 0] == 0.0  # x stays horizontal
     assert level[1, 1] > 0.0  # y points down
-    assert synthetic.boxes(1).num_faces == 12
+    assert synthetic.boxes(n=1).num_faces == 12
     assert Antialiasing.NONE is EXACT.antialiasing
     assert TextureKind.UNIFORM is WHITE.kind

@@ -24,6 +24,7 @@ from raylign._core import (
     Antialiasing,
     BalKind,
     BalOptions,
+    DepthSensorOptions,
     HeightFieldOptions,
     PixelType,
     RenderOptions,
@@ -34,20 +35,26 @@ from raylign._core import (
     TextureOptions,
 )
 from raylign.synthetic._bal import SyntheticBal, bal, write_bal
+from raylign.synthetic._depth_camera import noise_field, sense_depth
 from raylign.synthetic._render import Frame, expose, render
 from raylign.synthetic._scenes import board, boxes, height_field, look_at, plane, room, sphere
+from raylign.synthetic._sequence import SequenceFrame, render_sequence
+from raylign.synthetic._trajectory import Motion, trajectory
 
 __all__ = [
     "Antialiasing",
     "BalKind",
     "BalOptions",
+    "DepthSensorOptions",
     "Frame",
     "HeightFieldOptions",
+    "Motion",
     "PixelType",
     "RenderOptions",
     "Scene",
     "SensorOptions",
     "SensorResponse",
+    "SequenceFrame",
     "SyntheticBal",
     "TextureKind",
     "TextureOptions",
@@ -57,9 +64,13 @@ __all__ = [
     "expose",
     "height_field",
     "look_at",
+    "noise_field",
     "plane",
     "render",
+    "render_sequence",
     "room",
+    "sense_depth",
     "sphere",
+    "trajectory",
     "write_bal",
 ]

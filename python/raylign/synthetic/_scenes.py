@@ -15,8 +15,8 @@ _YAW_DEG, _PITCH_DEG, _ROLL_DEG = 30.0, -4.0, 3.0
 
 
 def room(
-    seed: int = 0,
     *,
+    seed: int = 0,
     size: npt.ArrayLike = (4.0, 2.6, 4.0),
     texture: TextureOptions | None = None,
 ) -> Scene:
@@ -48,9 +48,9 @@ def room(
 
 
 def boxes(
+    *,
     n: int = 4,
     seed: int = 0,
-    *,
     size: npt.ArrayLike = (4.0, 2.6, 4.0),
     texture: TextureOptions | None = None,
 ) -> Scene:
@@ -70,19 +70,19 @@ def boxes(
 
     Example:
         >>> from raylign import synthetic
-        >>> synthetic.boxes(2).num_faces
+        >>> synthetic.boxes(n=2).num_faces
         18
     """
     if not 0 <= n <= 1000:
         raise OptionsError(f"n must be in [0, 1000], got {n}")
     extent = _extent(size)
-    scene = room(seed, size=extent, texture=texture)
+    scene = room(seed=seed, size=extent, texture=texture)
     T_wr = _room_pose(extent)
     random = np.random.default_rng([seed, 0xB0])
     for i in range(n):
         heading = np.deg2rad(_YAW_DEG + random.uniform(-25.0, 25.0))
-        distance = random.uniform(0.38, 0.62) * extent[2]
-        dimensions = random.uniform(0.08, 0.18, 3) * extent
+        distance = random.uniform(0.5, 0.75) * extent[2]
+        dimensions = random.uniform([0.08, 0.3, 0.08], [0.16, 0.6, 0.16]) * extent
         T_rb = np.eye(4)
         T_rb[:3, :3] = so3_exp([0.0, random.uniform(0.0, np.pi), 0.0])
         T_rb[:3, 3] = _EYE * extent + distance * np.array([np.sin(heading), 0.0, np.cos(heading)])
@@ -92,8 +92,8 @@ def boxes(
 
 
 def plane(
-    seed: int = 0,
     *,
+    seed: int = 0,
     slant_deg: float = 30.0,
     distance: float = 2.0,
     texture: TextureOptions | None = None,
@@ -130,8 +130,8 @@ def plane(
 
 
 def height_field(
-    seed: int = 0,
     *,
+    seed: int = 0,
     amplitude: float = 0.15,
     distance: float = 2.5,
     texture: TextureOptions | None = None,
@@ -159,8 +159,8 @@ def height_field(
 
 
 def sphere(
-    seed: int = 0,
     *,
+    seed: int = 0,
     radius: float = 0.6,
     distance: float = 2.5,
     texture: TextureOptions | None = None,
@@ -181,19 +181,19 @@ def sphere(
     """
     scene = Scene()
     scene.add_sphere(_at_distance(distance), radius=radius, texture=_painted(texture, seed, 0))
-    scene.add(plane(seed + 1, slant_deg=0.0, distance=distance + 1.5, texture=texture))
+    scene.add(plane(seed=seed + 1, slant_deg=0.0, distance=distance + 1.5, texture=texture))
     return scene
 
 
 def board(
-    seed: int = 0,
     *,
+    seed: int = 0,
     distance: float = 1.2,
     size: npt.ArrayLike = (0.5, 0.4),
     offset: npt.ArrayLike = (0.0, 0.0),
     texture: TextureOptions | None = None,
 ) -> Scene:
-    """A plate across the optical axis, an occluder to add to another scene: see the example.
+    """A plate across the optical axis, an occluder to add to another scene.
 
     Args:
         seed: draws the texture.

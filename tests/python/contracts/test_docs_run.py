@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import os
 import pkgutil
 import re
 import subprocess
@@ -64,7 +65,12 @@ def test_there_are_doctests():
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda p: p.name)
 def test_examples_run(path: Path, beside_data: Path):
     result = subprocess.run(
-        [sys.executable, str(path)], capture_output=True, text=True, check=False
+        [sys.executable, str(path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ
+        | {"PYTHONPATH": str(Path(raylign.__file__).parents[1])},  # not a relative one
     )
     assert result.returncode == 0, result.stderr
     assert result.stdout
