@@ -1259,7 +1259,7 @@ def sense_depth(
     options: DepthSensorOptions,
     seed: int,
     index: int,
-) -> object: ...
+) -> NDArray[np.float32]: ...
 @overload
 def sense_depth(
     depth: object,
@@ -1269,7 +1269,7 @@ def sense_depth(
     options: DepthSensorOptions,
     seed: int,
     index: int,
-) -> object: ...
+) -> NDArray[np.float32]: ...
 def noise_field(
     *, width: int, height: int, correlation_length: float, seed: int, index: int
 ) -> NDArray[np.float64]: ...

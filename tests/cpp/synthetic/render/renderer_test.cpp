@@ -43,7 +43,7 @@ TEST(HeightField, RaysEndOnTheFirstCrossing) {
   constexpr int kRays = 200;
   std::vector<Vector3> directions;
   for (int i = 0; i < kRays; ++i) {
-    directions.emplace_back(random.uniform(-1.0, 1.0), random.uniform(-0.7, 0.7), -0.4);
+    directions.emplace_back(random.uniform(-1.0, 1.0), random.uniform(-0.7, 0.7), -0.2);
   }
   const Vector3 origin(0.2, -0.1, 0.9);
   const auto cast = [&](const Vector3& from, std::vector<double>& t) {
