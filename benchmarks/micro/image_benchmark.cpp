@@ -26,7 +26,7 @@ void report(const char* what, const F& f) {
   for (int i = 0; i < kRepetitions; ++i) {
     const Stopwatch stopwatch;
     f();
-    times_ms.push_back(1e3 * stopwatch.elapsed_s());
+    times_ms.push_back(1e3 * stopwatch.seconds());
   }
   std::nth_element(times_ms.begin(), times_ms.begin() + kRepetitions / 2, times_ms.end());
   std::printf("%-32s %7.3f\n", what, times_ms[kRepetitions / 2]);
