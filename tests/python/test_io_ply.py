@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import raylign
 from conftest import make_tiny_problem
-from raylign.io import PlySummary, write_ply
+from raylign.io import PlySummary, write_ply, write_ply_points
 
 VERTEX = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3)])
 FACE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
@@ -224,3 +224,18 @@ def test_real_problem(shared_data: Path, tmp_path: Path):
         vertices["xyz"][7776::6], problem.camera_centers(), rtol=1e-6, atol=1e-6
     )
     assert len(faces) == 49 * 7
+
+
+def test_a_cloud_without_cameras(tmp_path):
+    points = np.random.default_rng(0).normal(size=(5, 3)) * [1.0, 1.0, 1e6]
+    points[3] = np.nan
+    colors = np.arange(15).reshape(5, 3)
+    summary = write_ply_points(points, tmp_path / "cloud.ply", colors=colors)
+    assert summary == PlySummary(4, 0, 1, 0)
+    vertices, faces = parse((tmp_path / "cloud.ply").read_bytes())
+    kept = [0, 1, 2, 4]
+    np.testing.assert_array_equal(vertices["xyz"], points[kept].astype(np.float32))
+    np.testing.assert_array_equal(vertices["rgb"], colors[kept])
+    assert len(faces) == 0
+    with pytest.raises(raylign.ShapeError):
+        write_ply_points(points[:, :2], tmp_path / "cloud.ply")

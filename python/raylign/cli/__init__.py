@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from raylign import __version__
-from raylign.cli import bundle, convert, demo, download, info, synthetic
+from raylign.cli import bundle, convert, demo, download, evaluate, info, synthetic
 from raylign.cli._errors import PlainCommand, ReportingGroup
 
 __all__ = ["app", "main"]
@@ -23,6 +23,7 @@ app.command("bundle", cls=PlainCommand)(bundle.bundle)
 app.command("convert", cls=PlainCommand)(convert.convert)
 app.command("demo", cls=PlainCommand)(demo.demo)
 app.command("download", cls=PlainCommand)(download.download)
+app.command("evaluate", cls=PlainCommand)(evaluate.evaluate)
 app.command("info", cls=PlainCommand)(info.info)
 app.add_typer(synthetic.app, name="synthetic")
 
@@ -41,7 +42,7 @@ def _common(
     ] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
 ) -> None:
-    """Bundle adjustment of BAL problems: solve, convert, generate and download them."""
+    """Bundle adjustment of BAL problems, and evaluation of camera trajectories."""
 
 
 def main() -> None:

@@ -73,6 +73,22 @@ class LogStyle(enum.StrEnum):
     G2O = "g2o"
 
 
+class AlignmentChoice(enum.StrEnum):
+    """raylign.trajectory.Alignment."""
+
+    NONE = "none"
+    FIRST_POSE = "first_pose"
+    SE3 = "se3"
+    SIM3 = "sim3"
+
+
+class TrajectoryFormat(enum.StrEnum):
+    """How a trajectory file is written."""
+
+    TUM = "tum"
+    KITTI = "kitti"
+
+
 def library_value(enum_type: type[E], choice: enum.StrEnum) -> E:
     """Return the library's enumerator of the same name."""
     return enum_type[choice.name]

@@ -16,16 +16,15 @@ class DepthCodec:
     """How the numbers of a depth image become metres.
 
     Attributes:
-        scale: numbers per metre (16-bit images), or per pixel of disparity.
+        scale: numbers of an integer image per metre, or per pixel of disparity; 0: 256 for 16
+            bits, else 1.
         disparity_fb: focal length · baseline, px·m, for disparity images: Z = f b / d; 0 for depth.
-        disparity_offset: added to every disparity, px: difference of the principal points.
         max_depth: larger depths, m, count as not measured.
         flip: turn colour and depth upside down.
     """
 
     scale: float = 1000.0
     disparity_fb: float = 0.0
-    disparity_offset: float = 0.0
     max_depth: float = np.inf
     flip: bool = False
 
@@ -39,10 +38,9 @@ class DepthCodec:
         if raw.dtype == np.uint16:
             invalid |= raw == KINECT_SATURATED
         if raw.dtype.kind in "ui":
-            value /= np.float32(self.scale)
+            default = 256.0 if raw.dtype == np.uint16 else 1.0  # KITTI's disparity, plain pixels
+            value /= np.float32(self.scale or default)
         if self.disparity_fb > 0.0:
-            value += np.float32(self.disparity_offset)
-            invalid |= value <= 0.0
             value[invalid] = 1.0
             np.divide(np.float32(self.disparity_fb), value, out=value)
         invalid |= value > self.max_depth

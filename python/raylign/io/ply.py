@@ -100,6 +100,38 @@ def write_ply(
     )
 
 
+def write_ply_points(
+    points: F64,
+    path: PathLike,
+    *,
+    colors: npt.ArrayLike | None = None,
+    color: Color = (150, 150, 150),
+) -> PlySummary:
+    """Write a coloured point cloud, e.g. of keyframes.
+
+    Args:
+        points: (N, 3) float64, C order, world frame; points that are not finite are left out.
+        path: target; compressed when it ends in `.gz` or `.bz2`. Written to a temporary file
+            beside it and renamed at the end.
+        colors: (N, 3) RGB in [0, 255], rounded and clamped. Default: `color` for all.
+        color: RGB in [0, 255], rounded and clamped.
+
+    Returns:
+        PlySummary: what was written and what was left out.
+
+    Raises:
+        FormatError: the target cannot be written.
+        ShapeError: an array has the wrong shape or dtype.
+        OptionsError: a colour is not finite.
+        TypeError: `path` is a file object.
+    """
+    nothing = np.zeros(0, np.int32)
+    problem = BalProblem(np.zeros((0, 9)), points, nothing, nothing, np.zeros((0, 2)))
+    return write_ply(
+        problem, path, colors=colors, cameras=False, max_distance=np.inf, point_color=color
+    )
+
+
 def _distances(problem: BalProblem) -> F64:
     """L1 distance of each point from the median point, (P,); not finite where the point is not."""
     finite = problem.points[np.isfinite(problem.points).all(axis=1)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from raylign._typing import F64, PathLike
 from raylign.camera import PinholeCamera
-from raylign.errors import OptionsError
+from raylign.io._folders import check_positive, require_folder
 from raylign.io._images import DepthCodec
 from raylign.io._streams import format_error
 from raylign.io._text import data_lines, numbers, read_text
@@ -49,13 +49,9 @@ def read_seven_scenes(
         FormatError: there are no frames, or a pose or the intrinsics are malformed.
         OptionsError: a setting is out of range.
     """
-    root = Path(folder)
-    if not root.is_dir():
-        raise format_error(str(root), "", "is no folder")
-    if not (0.0 < depth_scale < np.inf and 0.0 < rate_hz < np.inf):
-        raise OptionsError(
-            f"depth_scale and rate_hz must be finite and > 0, got {depth_scale} and {rate_hz}"
-        )
+    root = require_folder(folder)
+    check_positive("depth_scale", depth_scale)
+    check_positive("rate_hz", rate_hz)
     numbered = _numbered_images(root)
     report = SequenceReport(num_images=len(numbered))
     codec = DepthCodec(scale=depth_scale)

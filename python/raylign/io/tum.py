@@ -9,7 +9,7 @@ import numpy as np
 
 from raylign._typing import F64, I32, PathLike
 from raylign.camera import PinholeCamera, RadtanCamera
-from raylign.errors import OptionsError
+from raylign.io._folders import check_positive, require_folder
 from raylign.io._images import DepthCodec
 from raylign.io._streams import format_error
 from raylign.io._text import data_lines, number, read_text
@@ -80,8 +80,8 @@ def read_tum_rgbd(
     Note: `camera` has the distortion of the benchmark's page for fr1 and fr2; most trackers use
     `sequence.pinhole` on the images as they are.
     """
-    root = _folder(folder)
-    _check_scale(depth_scale)
+    root = require_folder(folder)
+    check_positive("depth_scale", depth_scale)
     lists = _read_lists(root, time_offset_s, max_difference_s)
     calibration = _calibration(root, camera)
     truth = root / "groundtruth.txt"
@@ -303,15 +303,3 @@ def _calibration(root: Path, camera: Camera | None) -> Calibration:
 
 def _size_of(calibration: Calibration) -> tuple[int, int]:
     return calibration.width, calibration.height
-
-
-def _folder(folder: PathLike) -> Path:
-    root = Path(folder)
-    if not root.is_dir():
-        raise format_error(str(root), "", "is no folder")
-    return root
-
-
-def _check_scale(depth_scale: float) -> None:
-    if not 0.0 < depth_scale < np.inf:
-        raise OptionsError(f"depth_scale must be finite and > 0, got {depth_scale}")

@@ -18,6 +18,7 @@ from raylign.trajectory._metrics import (
     coverage,
     rpe,
     segment_errors,
+    short_lengths,
 )
 from raylign.trajectory._poses import Trajectory
 
@@ -81,7 +82,7 @@ def evaluate(
     max_difference_s: float = 0.02,
     offset_s: float = 0.0,
     interpolate: bool = False,
-    segment_lengths: Sequence[float] = KITTI_LENGTHS_M,
+    segment_lengths: Sequence[float] | None = KITTI_LENGTHS_M,
     segment_step: int = 10,
 ) -> Evaluation:
     """Compare an estimated trajectory with the truth.
@@ -93,7 +94,7 @@ def evaluate(
         max_difference_s: largest difference of paired stamps, s, see `match`.
         offset_s: added to the estimate's stamps, s.
         interpolate: take the truth at the estimate's times, see `match`.
-        segment_lengths: m; see `segment_errors`, `short_lengths`.
+        segment_lengths: m, see `segment_errors`; None: 10 to 80 % of the path, for short paths.
         segment_step: poses between the starts of segments.
 
     Raises:
@@ -117,6 +118,7 @@ def evaluate(
     )
     if len(paired) == 0:
         raise Error(_no_match_message(estimate, truth, max_difference_s))
+    lengths = short_lengths(true) if segment_lengths is None else segment_lengths
     absolute = ate(paired, true, mode=alignment)
     scale = float(np.cbrt(np.linalg.det(absolute.S_te[:3, :3])))
     if alignment is not Alignment.SIM3:
@@ -134,7 +136,7 @@ def evaluate(
         per_frame=rpe(paired, true, scale=scale),
         per_second=rpe(paired, true, delta_s=1.0, scale=scale),
         segments=tuple(
-            segment_errors(paired, true, lengths=segment_lengths, step=segment_step, scale=scale)
+            segment_errors(paired, true, lengths=lengths, step=segment_step, scale=scale)
         ),
     )
 

@@ -5,5 +5,13 @@ from raylign.viz.point_cloud import plot_point_cloud
 from raylign.viz.report import bundle_report
 from raylign.viz.residuals import plot_residuals
 from raylign.viz.sparsity import plot_sparsity
+from raylign.viz.trajectory import plot_trajectory
 
-__all__ = ["bundle_report", "plot_cost", "plot_point_cloud", "plot_residuals", "plot_sparsity"]
+__all__ = [
+    "bundle_report",
+    "plot_cost",
+    "plot_point_cloud",
+    "plot_residuals",
+    "plot_sparsity",
+    "plot_trajectory",
+]
