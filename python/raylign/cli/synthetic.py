@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from raylign import synthetic
+from raylign.cli import _synthetic_sequence
 from raylign.cli._console import make_console, say
 from raylign.cli._errors import PlainCommand, PlainGroup
 from raylign.cli._files import BAL_SUFFIXES, check_distinct, check_problem_target, write_problem
@@ -94,3 +95,4 @@ def _keyword(
 
 bal.__signature__ = _signature()  # type: ignore[attr-defined]
 app.command("bal", cls=PlainCommand)(bal)
+app.command("sequence", cls=PlainCommand)(_synthetic_sequence.sequence)

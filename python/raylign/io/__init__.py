@@ -22,6 +22,7 @@ from raylign.io.trajectory import (
     write_tum_trajectory,
 )
 from raylign.io.tum import read_tum_rgbd
+from raylign.io.tum_writer import TumSequenceWriter
 
 __all__ = [
     "SEQUENCE_FORMATS",
@@ -31,6 +32,7 @@ __all__ = [
     "RgbdFrame",
     "RgbdSequence",
     "SequenceReport",
+    "TumSequenceWriter",
     "open_sequence",
     "read_bal",
     "read_calibration",
