@@ -1,5 +1,6 @@
 """`raylign.io.TumSequenceWriter`: what is written is read back."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -9,7 +10,13 @@ import pytest
 from raylign.camera import PinholeCamera, RadtanCamera
 from raylign.errors import FormatError, OptionsError
 from raylign.geometry import se3_exp
-from raylign.io import TumSequenceWriter, read_tum_rgbd
+from raylign.io import (
+    RgbdSequence,
+    TumSequenceWriter,
+    open_sequence,
+    read_image_folder,
+    read_tum_rgbd,
+)
 
 CAMERA = RadtanCamera(51.0, 52.0, 7.5, 5.5, 0.1, -0.2, 0.003, 0.004, 0.5)
 POSES = se3_exp([[0.0] * 6, [0.1, -0.2, 0.3, 0.2, 0.1, -0.3]])
@@ -24,10 +31,13 @@ def write(folder: Path, **changes: float) -> None:
             writer.add(10.0 + i / 30.0, image=IMAGES[i], depth=DEPTHS[i], T_wc=POSES[i])
 
 
-def test_round_trip(tmp_path: Path):
+@pytest.mark.parametrize("read", [read_tum_rgbd, read_image_folder, open_sequence])
+def test_round_trip(tmp_path: Path, read: Callable[[Path], RgbdSequence]):
     write(tmp_path / "a" / "b")
-    sequence = read_tum_rgbd(tmp_path / "a" / "b", camera=CAMERA)
+    sequence = read(tmp_path / "a" / "b")
     assert len(sequence) == 2
+    assert sequence.calibration.camera == CAMERA
+    assert (sequence.calibration.width, sequence.calibration.height) == (16, 12)
     assert sequence.truth is not None
     assert np.abs(sequence.truth.T_wc - POSES).max() < 1e-12
     for i, frame in enumerate(sequence):
@@ -43,7 +53,7 @@ def test_colour_and_sixteen_bits(tmp_path: Path):
     with TumSequenceWriter(tmp_path, camera=CAMERA, width=16, height=12) as writer:
         writer.add(1.0, image=colour, depth=DEPTHS[0], T_wc=np.eye(4))
         writer.add(2.0, image=deep, depth=DEPTHS[0], T_wc=np.eye(4))
-    assert np.array_equal(read_tum_rgbd(tmp_path, camera=CAMERA)[0].image, colour)
+    assert np.array_equal(read_tum_rgbd(tmp_path)[0].image, colour)
     raw = cv2.imread(str(tmp_path / "rgb" / "2.000000.png"), cv2.IMREAD_UNCHANGED)
     assert np.array_equal(raw, deep)
 
@@ -75,7 +85,7 @@ def test_interrupted_run_leaves_a_shorter_sequence(tmp_path: Path):
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
-    assert len(read_tum_rgbd(tmp_path, camera=CAMERA)) == 1
+    assert len(read_tum_rgbd(tmp_path)) == 1
 
 
 def test_refusals(tmp_path: Path):

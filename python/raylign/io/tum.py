@@ -13,11 +13,13 @@ from raylign.io._folders import check_positive, require_folder
 from raylign.io._images import DepthCodec
 from raylign.io._streams import format_error
 from raylign.io._text import data_lines, number, read_text
+from raylign.io.calibration import read_calibration
 from raylign.io.sequence import Calibration, Camera, RgbdFrame, RgbdSequence, SequenceReport
 from raylign.io.trajectory import read_tum_trajectory
 from raylign.trajectory import associate, estimate_time_offset
 
 DEPTH_SCALE = 5000.0  # of the 16-bit files, per m
+CALIBRATION_FILE = "calibration.yaml"  # not of the benchmark: what TumSequenceWriter adds
 ASSOCIATION_FILES = ("associations.txt", "associate.txt", "association.txt")
 # Where the search for the lag starts. On fr1 depth stamps lie 15 ms before and 17 ms after those of
 # the images; the later ones go with them (cv2.Odometry RGB-D on the strip of 37 frames: ATE 3.6 mm
@@ -60,9 +62,9 @@ def read_tum_rgbd(
 
     Args:
         folder: holds the lists and the image folders.
-        camera: overrides the known intrinsics, which are chosen by `freiburg1` to `3` or `fr1` to
-            `fr3` in the folder's name, or else in the first comment of `rgb.txt`; without these it
-            is ROS' default, and `report.notices` says so.
+        camera: overrides `calibration.yaml`, or where there is none the known intrinsics, chosen by
+            `freiburg1` to `3` or `fr1` to `fr3` in the folder's name, or else in the first comment
+            of `rgb.txt`; without these it is ROS' default, and `report.notices` says so.
         depth_scale: numbers of a depth file per m.
         time_offset_s: stamp of a depth image − stamp of its image, s; None: the lag about which
             the differences pile up (see `estimate_time_offset`); where they do twice, the depth
@@ -284,6 +286,8 @@ def _is_depth(name: str) -> bool:
 def _calibration(root: Path, camera: Camera | None) -> Calibration:
     if camera is not None:
         return Calibration(camera, source="given by the caller")
+    if (root / CALIBRATION_FILE).is_file():
+        return read_calibration(root / CALIBRATION_FILE)
     place = "the folder's name"
     match = _FREIBURG_NAME.search(root.resolve().name)
     if match is None and (root / "rgb.txt").is_file():

@@ -10,9 +10,9 @@ from raylign.camera import PinholeCamera, RadtanCamera
 from raylign.errors import OptionsError
 from raylign.io._streams import format_error
 from raylign.io.trajectory import write_tum_trajectory
+from raylign.io.tum import CALIBRATION_FILE
 from raylign.trajectory import Trajectory
 
-CALIBRATION_FILE = "calibration.yaml"
 _MAX_RAW_DEPTH = 65534  # 65535 means saturated
 
 
@@ -70,7 +70,7 @@ class TumSequenceWriter:
                 raise format_error(str(folder), "", "is not empty")
             for kind in ("rgb", "depth"):
                 (self._folder / kind).mkdir()
-            text = calibration_yaml(camera, width=width, height=height)
+            text = calibration_yaml(camera, width=width, height=height) + _layout(depth_scale)
             (self._folder / CALIBRATION_FILE).write_text(text, encoding="ascii")
         except OSError as error:
             raise format_error(str(folder), "", f"cannot be written: {error.strerror}") from error
@@ -141,6 +141,14 @@ def calibration_yaml(camera: PinholeCamera | RadtanCamera, *, width: int, height
         f"image_width: {width}\nimage_height: {height}\n"
         + _matrix("camera_matrix", 3, [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0])
         + _matrix("distortion_coefficients", 1, coefficients)
+    )
+
+
+def _layout(depth_scale: float) -> str:
+    """What `read_image_folder` needs to know, which goes by this file."""
+    return (
+        "sequence:\n   images: rgb\n   depth: depth\n   truth: groundtruth.txt\n"
+        f"   depth_scale: {depth_scale!r}\n"
     )
 
 
