@@ -1,4 +1,7 @@
-"""How far a reconstruction is from the truth, where the truth is known."""
+"""How far a reconstruction is from the truth, where the truth is known.
+
+For camera paths over time see `raylign.trajectory.evaluate`.
+"""
 
 import numpy as np
 

@@ -127,6 +127,7 @@ def test_what_opencv_writes(num_distortion: int, tmp_path: Path):
         (ROS.replace("500.0, 0,", "500.0, 9,"), "camera_matrix", "is no matrix"),
         (KALIBR.replace("pinhole", "omni"), "cam0.camera_model", "'omni'"),
         (KALIBR.replace("500.0, ", ""), "cam0.intrinsics", "got 3 numbers"),
+        (KALIBR.replace(", 0.001, -0.002]", "]"), "cam0.distortion", "got 2 numbers"),
         (KALIBR.replace("[640, 480]", "[640]"), "cam0.resolution", "width and height"),
         (ORB_SLAM.replace("PinHole", "KannalaBrandt8"), "Camera.type", "kannala"),
         (ORB_SLAM.replace("Camera.fy: 510.0", ""), "Camera.fy", "is missing"),

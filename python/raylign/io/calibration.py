@@ -153,7 +153,7 @@ class _Reader:
         if model not in _RADTAN_NAMES:
             known = ", ".join(name for name in (*_PINHOLE_NAMES, *_RADTAN_NAMES) if name)
             raise self.error("distortion", f"model {shown(model)} is not known, only {known}")
-        if len(distortion) not in (4, 5) and any(distortion[5:]):
+        if len(distortion) < 4 or any(distortion[5:]):
             raise self.error(
                 "distortion", f"expected k1 k2 p1 p2 [k3], got {len(distortion)} numbers"
             )
