@@ -29,6 +29,8 @@ void bind_solver_enums(py::module_& m) {
       .value("SCHUR_JACOBI", Preconditioner::SCHUR_JACOBI)
       .value("CLUSTER_JACOBI", Preconditioner::CLUSTER_JACOBI)
       .value("CLUSTER_TRIDIAGONAL", Preconditioner::CLUSTER_TRIDIAGONAL)
+      .value("TWO_LEVEL", Preconditioner::TWO_LEVEL)
+      .value("STALE_FACTOR", Preconditioner::STALE_FACTOR)
       .finalize();
   py::native_enum<Termination>(m, "Termination", "enum.Enum", "Why a solve ended.")
       .value("NOT_RUN", Termination::NOT_RUN)

@@ -346,6 +346,8 @@ class Preconditioner(enum.Enum):
     SCHUR_JACOBI = 2
     CLUSTER_JACOBI = 3
     CLUSTER_TRIDIAGONAL = 4
+    TWO_LEVEL = 5
+    STALE_FACTOR = 6
 
 class Termination(enum.Enum):
     NOT_RUN = 0

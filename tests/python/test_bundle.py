@@ -330,11 +330,14 @@ def test_an_index_outside_the_problem_is_an_options_error(adjust, perturbed, con
 @ceres_only
 def test_contradicting_options_are_refused(adjust, perturbed):
     with pytest.raises(raylign.OptionsError, match="explicit_schur"):
-        LinearSolverOptions(
-            type=LinearSolverType.ITERATIVE_SCHUR,
-            preconditioner=Preconditioner.JACOBI,
-            explicit_schur=True,
-        )
+        LinearSolverOptions(type=LinearSolverType.DENSE_SCHUR, explicit_schur=True)
+    jacobi = LinearSolverOptions(
+        type=LinearSolverType.ITERATIVE_SCHUR,
+        preconditioner=Preconditioner.JACOBI,
+        explicit_schur=True,
+    )
+    with pytest.raises(raylign.OptionsError, match="explicit_schur"):
+        adjust(perturbed, options=BundleOptions(linear_solver=jacobi))
     with pytest.raises(raylign.OptionsError, match="must be one of f, k1, k2"):
         ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate="fx")
     one_coordinate = ConstantCoordinate(kind=ParameterKind.POINT, index=0, coordinate="z")

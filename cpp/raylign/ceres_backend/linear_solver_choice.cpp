@@ -59,6 +59,21 @@ LinearSolverChoice choose_linear_solver(LinearSolverType requested,
           "auto: " + count + " > " + limit + ", so S is not factored"};
 }
 
+void check_preconditioner(const LinearSolverOptions& options) {
+  const Preconditioner kind = options.preconditioner;
+  if (kind == Preconditioner::TWO_LEVEL || kind == Preconditioner::STALE_FACTOR) {
+    throw OptionsError("LinearSolverOptions.preconditioner " + to_string(kind) +
+                       " is backend NATIVE's; backend CERES has cluster_jacobi and "
+                       "cluster_tridiagonal");
+  }
+  if (options.explicit_schur && kind != Preconditioner::SCHUR_JACOBI) {
+    throw OptionsError(
+        "LinearSolverOptions.explicit_schur with backend CERES needs preconditioner "
+        "SCHUR_JACOBI, got " +
+        to_string(kind));
+  }
+}
+
 void check_ceres_limits(const BalProblem& problem, LinearSolverType type, bool has_free_point) {
   constexpr double kMaxNonzerosPerObservation = 2 * (6 + 3 + 3 + 6);  // inverse depth: two poses
   const auto num_observations = static_cast<double>(problem.num_observations());

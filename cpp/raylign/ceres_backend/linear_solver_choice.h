@@ -19,6 +19,9 @@ LinearSolverChoice choose_linear_solver(LinearSolverType requested,
                                         const BalProblem& problem,
                                         bool has_free_point);
 
+/// Throws OptionsError for a preconditioner that Ceres does not have, alone or on an explicit S.
+void check_preconditioner(const LinearSolverOptions& options);
+
 /// Throws OptionsError when Ceres could not hold the problem: its sizes are `int`, its dense
 /// matrices are allocated whole, and it checks neither.
 void check_ceres_limits(const BalProblem& problem, LinearSolverType type, bool has_free_point);

@@ -59,6 +59,7 @@ Summary solve(BalProblem& problem,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback) {
+  check_preconditioner(options.linear_solver);
   if (problem.num_observations() == 0) return nothing_to_adjust("ceres");
   const Stopwatch stopwatch;
   const ScopedGlogSilence silence;

@@ -34,7 +34,9 @@ ceres::PreconditionerType to_ceres(Preconditioner preconditioner) {
     case Preconditioner::CLUSTER_TRIDIAGONAL:
       return ceres::CLUSTER_TRIDIAGONAL;
     case Preconditioner::SCHUR_JACOBI:
-      break;
+    case Preconditioner::TWO_LEVEL:
+    case Preconditioner::STALE_FACTOR:
+      break;  // the last two are refused before
   }
   return ceres::SCHUR_JACOBI;
 }

@@ -41,13 +41,10 @@ void LinearSolverOptions::validate() const {
                  max_num_iterations);
   require_option(forcing_tolerance > 0 && forcing_tolerance < 1,
                  "LinearSolverOptions.forcing_tolerance", "in (0, 1)", forcing_tolerance);
-  const bool explicit_possible =
-      (type == LinearSolverType::ITERATIVE_SCHUR || type == LinearSolverType::AUTO) &&
-      preconditioner == Preconditioner::SCHUR_JACOBI;
-  if (explicit_schur && !explicit_possible) {
-    throw OptionsError(
-        "LinearSolverOptions.explicit_schur needs type ITERATIVE_SCHUR with preconditioner "
-        "SCHUR_JACOBI");
+  const bool may_iterate =
+      type == LinearSolverType::ITERATIVE_SCHUR || type == LinearSolverType::AUTO;
+  if (explicit_schur && !may_iterate) {
+    throw OptionsError("LinearSolverOptions.explicit_schur needs type ITERATIVE_SCHUR");
   }
 }
 

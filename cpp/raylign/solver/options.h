@@ -43,16 +43,18 @@ enum class Preconditioner {
   IDENTITY,
   JACOBI,               ///< block diagonal of H_pp
   SCHUR_JACOBI,         ///< block diagonal of S
-  CLUSTER_JACOBI,       ///< S of camera clusters by visibility. Kushal & Agarwal 2012.
-  CLUSTER_TRIDIAGONAL,  ///< the same with a tree of neighbouring clusters
+  CLUSTER_JACOBI,       ///< S of camera clusters by visibility; CERES. Kushal & Agarwal 2012.
+  CLUSTER_TRIDIAGONAL,  ///< the same with a tree of neighbouring clusters; CERES
+  TWO_LEVEL,            ///< SCHUR_JACOBI plus similarity motions of camera clusters; NATIVE
+  STALE_FACTOR,         ///< Cholesky factor of an earlier S; NATIVE
 };
 
 /// How (H + λD) δ = −g is solved.
 struct LinearSolverOptions {
   LinearSolverType type = LinearSolverType::AUTO;
   Preconditioner preconditioner = Preconditioner::SCHUR_JACOBI;  ///< ITERATIVE_SCHUR only.
-  bool explicit_schur =
-      false;  ///< ITERATIVE_SCHUR with SCHUR_JACOBI: form S instead of applying it.
+  bool explicit_schur = false;   ///< ITERATIVE_SCHUR: form S instead of applying it. TWO_LEVEL and
+                                 ///< STALE_FACTOR need it; with CERES only SCHUR_JACOBI has it.
   int max_num_iterations = 500;  ///< Conjugate-gradient iterations per step, >= 1.
   double forcing_tolerance =
       0.1;  ///< η of the inexact step, in (0, 1). Nash & Sofer 1990; Ceres eta.

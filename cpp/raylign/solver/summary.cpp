@@ -132,6 +132,10 @@ std::string to_string(Preconditioner preconditioner) {
       return "cluster_jacobi";
     case Preconditioner::CLUSTER_TRIDIAGONAL:
       return "cluster_tridiagonal";
+    case Preconditioner::TWO_LEVEL:
+      return "two_level";
+    case Preconditioner::STALE_FACTOR:
+      return "stale_factor";
   }
   return "unknown";
 }

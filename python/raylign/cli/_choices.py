@@ -47,6 +47,8 @@ class Precondition(enum.StrEnum):
     SCHUR_JACOBI = "schur_jacobi"
     CLUSTER_JACOBI = "cluster_jacobi"
     CLUSTER_TRIDIAGONAL = "cluster_tridiagonal"
+    TWO_LEVEL = "two_level"
+    STALE_FACTOR = "stale_factor"
 
 
 class GaugeChoice(enum.StrEnum):

@@ -70,9 +70,13 @@ TEST_P(Schur, LinearizationHasTheCostAndGradientOfTheCeresPath) {
 
 TEST_P(Schur, SystemEqualsDenseElimination) {
   native_.linearize();
+  const native::CameraBlocks& cameras = native_.cameras();
+  const native::SolverContext context{native_.layout(), cameras, native_.pool()};
+  native::SchurSystem system(
+      context, native::SchurPattern(context.layout, native::moving_cameras(context.cameras)));
   for (const double lambda : {1e-4, 1.0}) {
-    native_.form_schur(lambda);
-    const Eigen::Index n = native_.cameras().num_columns();
+    system.form(native_.damped(lambda));
+    const Eigen::Index n = cameras.num_columns();
     const Eigen::Index m = dense_.J.cols() - n;
     const Eigen::VectorXd g = dense_.J.transpose() * dense_.r;
     Eigen::MatrixXd H = dense_.J.transpose() * dense_.J;
@@ -83,9 +87,9 @@ TEST_P(Schur, SystemEqualsDenseElimination) {
         H.topRightCorner(n, m) * H_ll.solve(Eigen::MatrixXd(H.bottomLeftCorner(m, n)));
     const Eigen::VectorXd b =
         -g.head(n) + H.topRightCorner(n, m) * H_ll.solve(Eigen::VectorXd(g.tail(m)));
-    const Eigen::MatrixXd ours = test::dense_schur(native_.schur());
+    const Eigen::MatrixXd ours = test::dense_schur(system);
     Eigen::VectorXd rhs(n);
-    native_.schur().copy_rhs(rhs.data());
+    native::pack(cameras, system.rhs().data(), rhs.data());
     // columns have very different units: compare correlations, not numbers
     const Eigen::VectorXd scale = S.diagonal().cwiseSqrt().cwiseInverse();
     EXPECT_LT((scale.asDiagonal() * (ours - S) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-10);
@@ -300,11 +304,15 @@ TEST(Native, RefusesWhatItDoesNotDo) {
   options.point_parametrization = PointParametrization::HOMOGENEOUS;
   EXPECT_THROW(adjust(problem, {}, options), OptionsError);
   options.point_parametrization = PointParametrization::XYZ;
-  options.linear_solver.type = LinearSolverType::SPARSE_SCHUR;
+  LinearSolverOptions& solver = options.linear_solver;
+  solver.type = LinearSolverType::DENSE_NORMAL_CHOLESKY;
   EXPECT_THROW(adjust(problem, {}, options), OptionsError);
-  options.linear_solver.type = LinearSolverType::AUTO;
-  problem.cameras.conservativeResize(1501, 9);
-  EXPECT_THROW(adjust(problem, {}, options), OptionsError);
+  solver.type = LinearSolverType::ITERATIVE_SCHUR;
+  for (const auto kind : {Preconditioner::CLUSTER_JACOBI, Preconditioner::CLUSTER_TRIDIAGONAL,
+                          Preconditioner::TWO_LEVEL, Preconditioner::STALE_FACTOR}) {
+    solver.preconditioner = kind;  // the last two without explicit_schur
+    EXPECT_THROW(adjust(problem, {}, options), OptionsError) << to_string(kind);
+  }
 }
 
 }  // namespace

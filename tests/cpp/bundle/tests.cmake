@@ -1,5 +1,6 @@
 raylign_add_test(bundle allocation_test.cpp)
 raylign_add_test(bundle camera_blocks_test.cpp)
 raylign_add_test(bundle kernels_test.cpp)
+raylign_add_test(bundle linear_solvers_test.cpp LINK raylign_synthetic)
 raylign_add_test(bundle native_test.cpp LINK raylign_io)
 raylign_add_test(bundle schur_pattern_test.cpp)

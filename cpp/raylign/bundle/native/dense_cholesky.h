@@ -4,22 +4,21 @@
 
 #include <vector>
 
-#include "raylign/bundle/native/linear_solver.h"
-#include "raylign/bundle/native/schur_system.h"
+#include "raylign/bundle/native/schur_factor.h"
 
 namespace raylign::native {
 
 /// S as one dense matrix over the free columns, factored by LAPACK. All memory is taken at
 /// construction.
-class DenseCholesky : public LinearSolver {
+class DenseCholesky : public SchurFactor {
  public:
-  explicit DenseCholesky(const SchurSystem& system);
-  LmSolve solve(double* delta) override;
+  explicit DenseCholesky(const CameraBlocks& cameras);
+  bool factor(const SchurSystem& system) override;
+  void solve(double* x) override;
 
  private:
-  void fill();
+  void fill(const SchurSystem& system);
 
-  const SchurSystem& system_;
   const CameraBlocks& cameras_;
   std::vector<double> matrix_;  // lower triangle, column-major
 };

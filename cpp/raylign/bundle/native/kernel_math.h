@@ -15,8 +15,16 @@ namespace raylign::native {
 typedef double Lanes __attribute__((vector_size(32), may_alias));
 constexpr int kLanes = kRow / 4;
 
+// The same in an array of doubles, aligned like one.
+typedef double LooseLanes __attribute__((vector_size(32), may_alias, aligned(8)));
+
 RAYLIGN_INLINE Lanes* lanes(double* row) { return reinterpret_cast<Lanes*>(row); }
 RAYLIGN_INLINE const Lanes* lanes(const double* row) { return reinterpret_cast<const Lanes*>(row); }
+
+RAYLIGN_INLINE LooseLanes* loose_lanes(double* row) { return reinterpret_cast<LooseLanes*>(row); }
+RAYLIGN_INLINE const LooseLanes* loose_lanes(const double* row) {
+  return reinterpret_cast<const LooseLanes*>(row);
+}
 
 RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
   out[0] = a[1] * b[2] - a[2] * b[1];

@@ -27,6 +27,7 @@ class WindowSorter {
       if (pattern_.active[cameras[a]] == 0) continue;
       for (std::int64_t b = a; b < first + length; ++b) {
         if (pattern_.active[cameras[b]] == 0) continue;
+        if (pattern_.diagonal_only && cameras[b] != cameras[a]) break;
         const std::int32_t visit = visit_of(cameras[a], cameras[b]);
         add(visit, a, b);
         // the same camera twice in a track: both orders fall into one block

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "raylign/bundle/native/dense_cholesky.h"
+#include "raylign/bundle/native/make_solver.h"
 
 namespace raylign::native {
 namespace {
@@ -22,14 +22,14 @@ std::vector<CoordinateMask> landmark_masks(const Layout& layout, const Constants
 
 ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
                                          const Constants& held,
-                                         const BundleOptions& options)
+                                         const BundleOptions& options,
+                                         const InterruptCheck& interrupted)
     : options_(options),
       layout_(problem),
       held_(landmark_masks(layout_, held)),
       cameras_(problem, options.pose_parametrization, held, layout_.observed),
       pool_(options.lm.num_threads),
-      schur_(layout_, cameras_, options.lm.num_threads),
-      solver_(std::make_unique<DenseCholesky>(schur_)) {
+      solver_(make_linear_solver(options.linear_solver, {layout_, cameras_, pool_}, interrupted)) {
   const std::int64_t num_landmarks = layout_.num_landmarks();
   X_.resize(3 * num_landmarks);
   for (std::int64_t j = 0; j < num_landmarks; ++j) {
@@ -60,6 +60,7 @@ int ReprojectionProblem::num_effective_parameters() const {
 }
 
 LmState ReprojectionProblem::linearize() {
+  ++num_linearizations_;
   LmState state;
   state.cost = linearize_landmarks();
   sum_cameras();
@@ -183,15 +184,15 @@ LandmarkFactor ReprojectionProblem::factor_landmark(std::int64_t landmark, doubl
            w_yz, hz ? 0.0 : w_z}};
 }
 
-void ReprojectionProblem::form_schur(double lambda) {
+DampedProblem ReprojectionProblem::damped(double lambda) {
   set_damping(lambda);
-  schur_.form(cameras_.packets(), X_.data(), J_.data(), landmark_blocks_.data(),
-              landmark_factors_.data(), camera_sums_, damping_, pool_);
+  return {observations(),      cameras_.packets(),      X_.data(),
+          J_.data(),           landmark_blocks_.data(), landmark_factors_.data(),
+          camera_sums_.data(), damping_.data(),         num_linearizations_};
 }
 
 LmSolve ReprojectionProblem::solve(double lambda) {
-  form_schur(lambda);
-  return solver_->solve(delta_.data());
+  return solver_.solver->solve(damped(lambda), delta_.data());
 }
 
 void ReprojectionProblem::set_canonical_step() {

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <string>
 #include <vector>
 
 #include "raylign/base/thread_pool.h"
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
-#include "raylign/bundle/native/linear_solver.h"
-#include "raylign/bundle/native/schur_system.h"
+#include "raylign/bundle/native/make_solver.h"
 #include "raylign/parametrization/constants.h"
 #include "raylign/scene/bal_problem.h"
 #include "raylign/solver/bundle_options.h"
@@ -26,7 +25,8 @@ class ReprojectionProblem {
   /// `problem` must be valid, with finite residuals; it is read here and not kept.
   ReprojectionProblem(const BalProblem& problem,
                       const Constants& held,
-                      const BundleOptions& options);
+                      const BundleOptions& options,
+                      const InterruptCheck& interrupted = nullptr);
 
   LmState linearize();
   LmSolve solve(double lambda);
@@ -37,15 +37,16 @@ class ReprojectionProblem {
   void write_back(BalProblem& problem) const;
 
   int num_effective_parameters() const;
-  /// The reduced system of the last `solve`, for tests.
-  const SchurSystem& schur() const { return schur_; }
   /// Steps of the last `solve` and `try_step`: cameras' free columns, then landmark by landmark.
   const std::vector<double>& camera_step() const { return delta_; }
   const CameraBlocks& cameras() const { return cameras_; }
+  ThreadPool& pool() { return pool_; }
   const Layout& layout() const { return layout_; }
 
-  /// Forms S and b for damping λ without solving.
-  void form_schur(double lambda);
+  /// The linearised problem damped by λ: what a linear solver sees.
+  DampedProblem damped(double lambda);
+  LinearSolverType linear_solver() const { return solver_.solver->type(); }
+  const std::string& linear_solver_reason() const { return solver_.reason; }
 
  private:
   Observations observations() const {
@@ -86,8 +87,8 @@ class ReprojectionProblem {
   std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns
   std::vector<double> delta_;                                                        // user columns
   std::vector<double> canonical_delta_;                                              // (C, kRow)
-  SchurSystem schur_;
-  std::unique_ptr<LinearSolver> solver_;
+  ChosenSolver solver_;
+  int num_linearizations_ = 0;
   bool has_scales_ = false;
 };
 

@@ -161,6 +161,7 @@ RAYLIGN_INLINE void subtract_track(const std::int32_t* track,
     std::int64_t block = S.starts[track[a]];
     for (std::int64_t b = a; b < length; ++b) {
       if (S.active[track[b]] == 0) continue;
+      if (S.diagonal_only && track[b] != track[a]) break;
       while (S.columns[block] < track[b]) ++block;
       subtract_products<Width>(Z + a, Z + b, &itself, &itself + 1, S.blocks[block]);
       if (a == b || track[a] != track[b]) continue;

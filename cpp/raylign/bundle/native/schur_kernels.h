@@ -48,7 +48,8 @@ struct SchurBlocks {
   const std::int64_t* starts;
   const std::int32_t* columns;
   Block* blocks;
-  double* rhs;  ///< (C, kRow)
+  double* rhs;                 ///< (C, kRow)
+  bool diagonal_only = false;  ///< there are no other blocks
 };
 
 /// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ A

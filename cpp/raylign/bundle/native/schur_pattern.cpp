@@ -32,6 +32,18 @@ SchurPattern::SchurPattern(const Layout& layout, std::vector<unsigned char> acti
   find_columns(layout, track_starts, tracks);
 }
 
+SchurPattern SchurPattern::diagonal(std::vector<unsigned char> active_cameras) {
+  SchurPattern pattern;
+  pattern.active = std::move(active_cameras);
+  pattern.diagonal_only = true;
+  pattern.starts.push_back(0);
+  for (std::int32_t i = 0; i < pattern.num_cameras(); ++i) {
+    if (pattern.active[i] != 0) pattern.columns.push_back(i);
+    pattern.starts.push_back(pattern.num_blocks());
+  }
+  return pattern;
+}
+
 void SchurPattern::find_columns(const Layout& layout,
                                 const std::vector<std::int64_t>& track_starts,
                                 const std::vector<std::int32_t>& tracks) {

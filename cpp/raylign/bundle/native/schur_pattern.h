@@ -14,11 +14,14 @@ namespace raylign::native {
 struct SchurPattern {
   /// @param active  (C,) 0: the camera does not move, S has no row for it
   SchurPattern(const Layout& layout, std::vector<unsigned char> active);
+  /// The diagonal blocks alone: what a matrix-free product needs for its preconditioner.
+  static SchurPattern diagonal(std::vector<unsigned char> active);
 
   std::vector<unsigned char> active;
   std::vector<std::int64_t> starts;   ///< (C + 1,) first block of each row
   std::vector<std::int32_t> columns;  ///< (num_blocks,) ascending in a row, the diagonal first
 
+  bool diagonal_only = false;
   std::int64_t num_pairs = 0;  ///< of moving cameras: products Z Zᵀ in one formation of S
 
   std::int32_t num_cameras() const { return static_cast<std::int32_t>(active.size()); }
@@ -28,6 +31,7 @@ struct SchurPattern {
   std::int32_t find(std::int32_t i, std::int32_t k) const;
 
  private:
+  SchurPattern() = default;
   void find_columns(const Layout& layout,
                     const std::vector<std::int64_t>& track_starts,
                     const std::vector<std::int32_t>& tracks);

@@ -9,11 +9,22 @@
 #include "raylign/bundle/native/camera_blocks.h"
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
+#include "raylign/bundle/native/product_kernels.h"
 #include "raylign/bundle/native/product_plan.h"
 #include "raylign/bundle/native/schur_kernels.h"
 #include "raylign/bundle/native/schur_pattern.h"
 
 namespace raylign::native {
+
+/// What a linear solver works on and with; outlives it.
+struct SolverContext {
+  const Layout& layout;
+  const CameraBlocks& cameras;
+  ThreadPool& pool;
+};
+
+/// 1 for cameras with free columns.
+std::vector<unsigned char> moving_cameras(const CameraBlocks& cameras);
 
 /// The reduced camera system S δ = b after the landmarks are eliminated: the block-sparse upper
 /// triangle of S, summed in the canonical tangent and folded by the cameras' maps into the user's.
@@ -21,34 +32,23 @@ namespace raylign::native {
 /// All memory is taken at construction.
 class SchurSystem {
  public:
-  SchurSystem(const Layout& layout, const CameraBlocks& cameras, int num_threads);
+  SchurSystem(const SolverContext& context, SchurPattern pattern);
 
-  /// Forms S and b. `sums`: H and g of each camera; `damping`: added to the diagonal of S,
-  /// (num_columns(),).
-  void form(const CameraPacket* packets,
-            const double* X,
-            const ObservationJacobian* J,
-            const LandmarkBlock* blocks,
-            const LandmarkFactor* factors,
-            const std::vector<CameraSums>& sums,
-            const std::vector<double>& damping,
-            ThreadPool& pool);
+  void form(const DampedProblem& problem);
 
   const SchurPattern& pattern() const { return pattern_; }
   const std::vector<Block>& blocks() const { return blocks_; }  ///< of pattern(), user's tangent
   const std::vector<double>& rhs() const { return rhs_; }       ///< b, (C, kRow)
-  const CameraBlocks& cameras() const { return cameras_; }
-
-  /// b as one vector (num_columns(),).
-  void copy_rhs(double* out) const;
+  const CameraBlocks& cameras() const { return context_.cameras; }
+  /// Block `diagonal(i)` of a moving camera.
+  const Block& diagonal(int i) const { return blocks_[pattern_.starts[i]]; }
 
  private:
   void split_rows(int num_parts);
-  void set_cameras(const std::vector<CameraSums>& sums, std::int32_t begin, std::int32_t end);
-  void fold_rows(const std::vector<double>& damping, std::int32_t begin, std::int32_t end);
+  void set_cameras(const CameraSums* sums, std::int32_t begin, std::int32_t end);
+  void fold_rows(const double* damping, std::int32_t begin, std::int32_t end);
 
-  const Layout& layout_;
-  const CameraBlocks& cameras_;
+  SolverContext context_;
   SchurPattern pattern_;
   ProductPlan plan_;
   std::vector<Block> blocks_;
@@ -56,5 +56,9 @@ class SchurSystem {
   std::vector<std::int32_t> row_parts_;
   std::vector<std::vector<Elimination>> scratch_;
 };
+
+/// From rows of kRow per camera to one vector over the free columns, and back (zeros elsewhere).
+void pack(const CameraBlocks& cameras, const double* rows, double* columns);
+void unpack(const CameraBlocks& cameras, const double* columns, double* rows);
 
 }  // namespace raylign::native

@@ -13,31 +13,12 @@
 namespace raylign::native {
 namespace {
 
-// 13 500 columns: S takes 1.5 GB.
-constexpr std::int64_t kMaxCameras = 1500;
-
-void check_supported(const BalProblem& problem, const BundleOptions& options) {
+void check_supported(const BundleOptions& options) {
   if (options.point_parametrization != PointParametrization::XYZ) {
     throw OptionsError("BundleOptions.point_parametrization must be XYZ with backend NATIVE, got " +
                        to_string(options.point_parametrization) + "; backend CERES has all three");
   }
-  const LinearSolverType type = options.linear_solver.type;
-  if (type != LinearSolverType::AUTO && type != LinearSolverType::DENSE_SCHUR) {
-    throw OptionsError(
-        "LinearSolverOptions.type must be AUTO or DENSE_SCHUR with backend NATIVE, got " +
-        to_string(type));
-  }
-  if (problem.num_cameras() > kMaxCameras) {
-    throw OptionsError("backend NATIVE factors a dense S and takes at most " +
-                       std::to_string(kMaxCameras) + " cameras, got " +
-                       std::to_string(problem.num_cameras()) + "; use backend CERES");
-  }
-}
-
-std::string linear_solver_reason(LinearSolverType requested, std::int64_t num_cameras) {
-  if (requested != LinearSolverType::AUTO) return "requested";
-  return "auto: " + std::to_string(num_cameras) +
-         " cameras, and a dense S is what backend native has";
+  check_linear_solver(options.linear_solver);
 }
 
 // Nothing may move: one row, as from every other solve.
@@ -57,7 +38,7 @@ Summary solve(BalProblem& problem,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback) {
-  check_supported(problem, options);
+  check_supported(options);
   if (problem.num_observations() == 0) return nothing_to_adjust("native");
   const Stopwatch clock;
   const ScopedSingleThreadedBlas single_threaded_blas;
@@ -73,9 +54,8 @@ Summary solve(BalProblem& problem,
   summary.backend = "native";
   summary.num_residuals = 2 * num_blocks;
   summary.num_effective_parameters = native_problem.num_effective_parameters();
-  summary.linear_solver = LinearSolverType::DENSE_SCHUR;
-  summary.linear_solver_reason =
-      linear_solver_reason(options.linear_solver.type, problem.num_cameras());
+  summary.linear_solver = native_problem.linear_solver();
+  summary.linear_solver_reason = native_problem.linear_solver_reason();
   summary.num_threads = options.lm.num_threads;
   summary.deterministic = true;
   summary.preprocessor_time_s = preprocessor_time_s;

@@ -11,8 +11,8 @@ namespace raylign::native {
 
 /// Solves with raylign's own engine (docs/theory/native-engine.md). Arguments validated by the
 /// caller (bundle/bundle_adjuster.h), which is the front door; the contract is the same. Throws
-/// OptionsError for what the engine does not do: points other than XYZ, a linear solver other than
-/// DENSE_SCHUR, more than 1500 cameras.
+/// OptionsError for what the engine does not do: points other than XYZ, DENSE_NORMAL_CHOLESKY, the
+/// preconditioners of Ceres alone.
 Summary solve(BalProblem& problem,
               const BundleConfig& config,
               const BundleOptions& options,

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "raylign/bundle/native/kernels.h"
+
+namespace raylign::native {
+
+/// A linearised and damped problem: all that S is made of. Pointers into the caller's arrays.
+struct DampedProblem {
+  Observations observations;
+  const CameraPacket* packets;     ///< (C,)
+  const double* X;                 ///< (L, 3)
+  const ObservationJacobian* J;    ///< (N,)
+  const LandmarkBlock* landmarks;  ///< (L,)
+  const LandmarkFactor* factors;   ///< (L,) of the damped landmarks
+  const CameraSums* cameras;       ///< (C,)
+  const double* damping;           ///< added to the diagonal of S, by the user's columns
+  int linearization;               ///< which one: rises by one whenever J is computed again
+};
+
+/// y += the part of S x that block rows [row_begin, row_end) of the upper triangle and their mirror
+/// images make. x: (C, kRow); y: (C − row_begin, kRow), for such rows touch no camera before them.
+void multiply_rows(const std::int64_t* starts,
+                   const std::int32_t* columns,
+                   const Block* blocks,
+                   std::int32_t row_begin,
+                   std::int32_t row_end,
+                   const double* x,
+                   double* y);
+
+/// y += Σ Fᵀ(F x − A W Wᵀ Σ Aᵀ F x) over landmarks [begin, end): their part of S x, undamped, S not
+/// formed. x and y: (C, kRow), canonical tangent. `scratch`: (2 · max_track_length,).
+void multiply_landmarks(const DampedProblem& problem,
+                        std::int64_t begin,
+                        std::int64_t end,
+                        const double* x,
+                        double* y,
+                        double* scratch);
+
+/// y = B x for one block.
+void multiply_block(const Block& B, const double* x, double* y);
+
+}  // namespace raylign::native

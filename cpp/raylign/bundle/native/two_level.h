@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "raylign/bundle/native/preconditioner.h"
+
+namespace raylign::native {
+
+/// M⁻¹ = M_SJ⁻¹ + Z (ZᵀSZ)⁻¹ Zᵀ: Schur-Jacobi plus a coarse space. Z holds the seven similarity
+/// motions of each cluster of cameras, which are what one-level methods take hundreds of iterations
+/// to move on a long street. Needs the whole S.
+class TwoLevel : public SchurPreconditioner {
+ public:
+  TwoLevel(const SolverContext& context, const SchurPattern& pattern);
+  void prepare(const SchurSystem& system, const DampedProblem& problem) override;
+  void apply(const double* r, double* z) override;
+
+  int num_clusters() const { return num_clusters_; }
+
+ private:
+  static constexpr int kModes = 7;
+
+  void set_modes(const DampedProblem& problem);
+  void form_coarse(const SchurSystem& system);
+
+  const CameraBlocks& cameras_;
+  BlockJacobi fine_;
+  std::vector<std::int32_t> cluster_;  // (C,) −1: the camera does not move
+  int num_clusters_ = 0;
+  std::vector<double> centroids_;            // (clusters, 3)
+  std::vector<int> counts_;                  // (clusters,)
+  std::vector<double> modes_;                // (C, 9, 7) by rows, the user's tangent
+  std::vector<double> coarse_;               // (7 clusters)², lower triangle, column-major
+  std::vector<double> scales_, restricted_;  // (7 clusters,)
+  bool has_coarse_ = false;
+};
+
+/// Connected clusters of at most `max_size` moving cameras, numbered; −1 for the others.
+std::vector<std::int32_t> cluster_cameras(const SchurPattern& pattern, int max_size);
+
+}  // namespace raylign::native
