@@ -63,12 +63,14 @@ def test_settings_arrive(tmp_path: Path):
         "blur": ["--exposure-time", "1", "--motion", "x", "--extent", "1"],
         "supersample": ["--antialiasing", "supersample"],
         "focal": ["--focal", "80"],
+        "exposure": ["--exposure-change", "0.5", "-n", "5"],
     }.items():
         assert run("-o", tmp_path / name, *SMALL, "--motion", "x", *words).exit_code == 0
         images[name] = read_tum_rgbd(tmp_path / name)[1].image.astype(float)
     assert np.array_equal(images["plain"], images["again"])
     for name in set(images) - {"plain", "again"}:
         assert not np.array_equal(images[name], images["plain"]), name
+    assert images["exposure"].mean() > 1.4 * images["plain"].mean()
     assert images["vignette"][:4, :4].mean() < 0.7 * images["plain"][:4, :4].mean()
 
 
@@ -87,9 +89,10 @@ def test_refusals(tmp_path: Path):
         (["-o", tmp_path / "full"], "not empty", 1),
         (["-o", tmp_path / "a", "--exposure-time", "2"], "exposure_time", 2),
         (["-o", tmp_path / "a", "--fps", "0"], "fps", 2),
+        (["-o", tmp_path / "a", "--exposure-change", "-1.2", "-n", "5"], "exposure", 2),
         (["-o", tmp_path / "a", "--scene", "ocean"], "--scene", 2),
     ):
-        result = run(*arguments, *SMALL)
+        result = run(*SMALL, *arguments)
         assert result.exit_code == code, result.output
         assert word in result.stderr
         assert "Traceback" not in result.stderr

@@ -87,6 +87,16 @@ def test_blur_and_shutter_follow_the_path():
     assert single.truth.valid.all()
 
 
+def test_each_frame_may_have_a_sensor_of_its_own():
+    _, T_wc = synthetic.trajectory("static", n=2)
+    sensors = [SensorOptions(format="float32", exposure=e) for e in (1.0, 1.5)]
+    scene = synthetic.room()
+    dark, bright = synthetic.render_sequence(scene, CAMERA, T_wc, **SIZE, sensor=sensors)
+    assert np.allclose(bright.truth.image, 1.5 * dark.truth.image)
+    with pytest.raises(ShapeError, match="sensor"):
+        next(synthetic.render_sequence(scene, CAMERA, T_wc, **SIZE, sensor=sensors[:1]))
+
+
 def test_refusals():
     for changes in ({"n": 0}, {"extent": np.nan}, {"radius": 0.0}, {"fps": -1.0}):
         with pytest.raises(OptionsError, match=next(iter(changes))):

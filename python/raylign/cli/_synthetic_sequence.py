@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.console import Console
 
@@ -100,6 +101,10 @@ ShotNoiseOpt = Annotated[float, typer.Option("--shot-noise", help="Variance per 
 VignetteOpt = Annotated[
     float, typer.Option("--vignette-r2", help="Brightness change at the corners, > -1.")
 ]
+ExposureChangeOpt = Annotated[
+    float,
+    typer.Option("--exposure-change", help="Largest change of the exposure, a part of it, < 1."),
+]
 SeedOpt = Annotated[int, typer.Option("--seed", min=0, help="Everything follows from it.")]
 ThreadsOpt = Annotated[
     int, typer.Option("--num-threads", help="0: one per processor; same bits anyhow.")
@@ -124,6 +129,7 @@ def sequence(
     read_noise: ReadNoiseOpt = 1.0,
     shot_noise: ShotNoiseOpt = 0.02,
     vignette_r2: VignetteOpt = 0.0,
+    exposure_change: ExposureChangeOpt = 0.0,
     depth: DepthOpt = DepthKind.KINECT,
     seed: SeedOpt = 0,
     num_threads: ThreadsOpt = 0,
@@ -155,7 +161,7 @@ def sequence(
         width=width,
         height=height,
         options=options,
-        sensor=sensor,
+        sensor=_exposures(sensor, exposure_change, frames),
         depth_sensor=_depth_sensor(depth),
         seed=seed,
     )
@@ -177,6 +183,14 @@ def _write(
             image = frame.truth.image
             writer.add(_FIRST_STAMP_S + stamp, image=image, depth=frame.depth, T_wc=frame.T_wc)
             progress(i + 1, len(stamps))
+
+
+def _exposures(
+    sensor: synthetic.SensorOptions, change: float, frames: int
+) -> list[synthetic.SensorOptions]:
+    """Brighter, darker and back, once over the sequence."""
+    swing = np.sin(np.linspace(0.0, 2.0 * np.pi, frames))
+    return [sensor.replace(exposure=1.0 + change * float(s)) for s in swing]
 
 
 def _depth_sensor(kind: DepthKind) -> synthetic.DepthSensorOptions:

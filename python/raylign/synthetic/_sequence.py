@@ -1,6 +1,6 @@
 """Whole sequences of rendered frames."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +44,7 @@ def render_sequence(
     width: int,
     height: int,
     options: RenderOptions | None = None,
-    sensor: SensorOptions | None = None,
+    sensor: SensorOptions | Sequence[SensorOptions] | None = None,
     depth_sensor: DepthSensorOptions | None = None,
     seed: int = 0,
 ) -> Iterator[SequenceFrame]:
@@ -60,7 +60,7 @@ def render_sequence(
         width: px.
         height: px.
         options: how rays become grey values.
-        sensor: how irradiance becomes an image.
+        sensor: how irradiance becomes an image; one for all frames, or one each (exposure changes).
         depth_sensor: how depth becomes a depth image; default: like a Kinect.
         seed: of all noise; frame i has the noise of index i.
 
@@ -69,7 +69,7 @@ def render_sequence(
 
     Raises:
         OptionsError: an option is out of range.
-        ShapeError: `T_wc` is not (N, 4, 4).
+        ShapeError: `T_wc` is not (N, 4, 4), or there are not as many sensors as poses.
 
     Example:
         >>> from raylign import camera, synthetic
@@ -84,6 +84,9 @@ def render_sequence(
     poses = np.asarray(T_wc, np.float64)
     if poses.ndim != 3 or poses.shape[1:] != (4, 4):
         raise ShapeError(f"T_wc must be of shape (N, 4, 4), got {poses.shape}")
+    sensors = sensor if isinstance(sensor, Sequence) else [sensor] * len(poses)
+    if len(sensors) != len(poses):
+        raise ShapeError(f"sensor must be one or {len(poses)}, one per pose, got {len(sensors)}")
     T_cw = se3_inverse(poses)
     for index, pose in enumerate(T_cw):
         truth = render(
@@ -93,7 +96,7 @@ def render_sequence(
             width=width,
             height=height,
             options=options,
-            sensor=sensor,
+            sensor=sensors[index],
             motion=_motion_at(T_cw, index),
             seed=seed,
             index=index,
