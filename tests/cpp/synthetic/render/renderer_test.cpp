@@ -115,6 +115,31 @@ TEST(Renderer, ThreadsDoNotChangeABit) {
   }
 }
 
+// FNV-1a over the bytes.
+template <typename Map>
+std::uint64_t hash_of(const Map& map) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(map.data());
+  const std::size_t size = map.size() * sizeof(*map.data());
+  for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
+  return hash;
+}
+
+TEST(Renderer, BitsAreTheSameEverywhere) {
+  // Recorded with AVX-512 and with SSE2; a change means that every rendered data set changes.
+  RenderScene scene;
+  Matrix4 T_ws = Matrix4::Identity();
+  T_ws(2, 3) = 1.0;
+  scene.add_box(T_ws, {4.0, 3.0, 5.0}, texture(3));
+  scene.add_sphere(T_ws, 0.5, texture(3));
+  T_ws(2, 3) = 2.5;
+  scene.add_height_field(T_ws, {}, texture(3));
+  const auto frame = render_frame(scene, kCamera, Matrix4::Identity(), 65, 49);
+  EXPECT_EQ(hash_of(frame.irradiance), 0x5e49f0d14456b887ULL);
+  EXPECT_EQ(hash_of(frame.depth), 0xf95592f643071f91ULL);
+  EXPECT_EQ(hash_of(frame.normal), 0xd5f9cb1c8bb1fe33ULL);
+}
+
 TEST(Renderer, FootprintIsTheDerivativeOfThePointByThePixel) {
   // A texture of one wave at 3 px is attenuated by the weight at its true projected wavelength:
   // compare the rendered band limit on a slanted plane with one from finite differences.
