@@ -18,5 +18,6 @@ PYBIND11_MODULE(_core, m) {
   rp::bind_io(m);
   rp::bind_synthetic(m);
   rp::bind_render(m);
+  rp::bind_tracking(m);
   rp::bind_bundle(m);
 }

@@ -21,6 +21,7 @@ from raylign import (
     robust,
     scene,
     synthetic,
+    tracking,
     trajectory,
 )
 from raylign._core import __version__
@@ -53,6 +54,7 @@ __all__ = [
     "robust",
     "scene",
     "synthetic",
+    "tracking",
     "trajectory",
 ]
 

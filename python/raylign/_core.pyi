@@ -1276,6 +1276,339 @@ def noise_field(
     *, width: int, height: int, correlation_length: float, seed: int, index: int
 ) -> NDArray[np.float64]: ...
 
+class NoiseModel(enum.Enum):
+    CONSTANT = 0
+    EXACT = 1
+
+class SigmaMode(enum.Enum):
+    REEVALUATE = 0
+    FROZEN = 1
+
+class GradientMode(enum.Enum):
+    FORWARD = 0
+    ESM = 1
+
+class AffineMode(enum.Enum):
+    NONE = 0
+    CLOSED_FORM = 1
+    JOINT = 2
+
+class MotionGroup(enum.Enum):
+    SE3 = 0
+    SO3 = 1
+    SIM3 = 2
+
+class AlignmentStatus(enum.Enum):
+    OK = 0
+    LOST_OVERLAP = 1
+    TOO_FEW_POINTS = 2
+    DIVERGED = 3
+    NOT_CONVERGED = 4
+    DEGENERATE = 5
+    LOW_TEXTURE = 6
+    MOTION_BOUND = 7
+
+class AffineOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    mode: AffineMode
+    prior_sigma_a: float
+    prior_sigma_b: float
+    def __init__(
+        self,
+        *,
+        mode: AffineMode | str = ...,
+        prior_sigma_a: float = ...,
+        prior_sigma_b: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        mode: AffineMode | str = ...,
+        prior_sigma_a: float = ...,
+        prior_sigma_b: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class DepthTermOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    enabled: bool
+    estimate_weight: bool
+    weight: float
+    use_gradient: bool
+    def __init__(
+        self,
+        *,
+        enabled: bool = ...,
+        estimate_weight: bool = ...,
+        weight: float = ...,
+        use_gradient: bool = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        enabled: bool = ...,
+        estimate_weight: bool = ...,
+        weight: float = ...,
+        use_gradient: bool = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class AcceptanceOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    min_points: int
+    min_overlap: float
+    min_good_ratio: float
+    min_correlation: float
+    max_translation: float
+    max_rotation: float
+    max_sigma: float
+    def __init__(
+        self,
+        *,
+        min_points: int = ...,
+        min_overlap: float = ...,
+        min_good_ratio: float = ...,
+        min_correlation: float = ...,
+        max_translation: float = ...,
+        max_rotation: float = ...,
+        max_sigma: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        min_points: int = ...,
+        min_overlap: float = ...,
+        min_good_ratio: float = ...,
+        min_correlation: float = ...,
+        max_translation: float = ...,
+        max_rotation: float = ...,
+        max_sigma: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class TrackingOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    motion: MotionGroup
+    noise_model: NoiseModel
+    sigma_intensity: float
+    sigma_mode: SigmaMode
+    loss: Loss
+    gradient: GradientMode
+    affine: AffineOptions
+    depth: DepthTermOptions
+    finest_level: int
+    coarsest_level: int
+    level_iterations: list[int]
+    lm: LmOptions
+    acceptance: AcceptanceOptions
+    def __init__(
+        self,
+        *,
+        motion: MotionGroup | str = ...,
+        noise_model: NoiseModel | str = ...,
+        sigma_intensity: float = ...,
+        sigma_mode: SigmaMode | str = ...,
+        loss: Loss | str = ...,
+        gradient: GradientMode | str = ...,
+        affine: AffineOptions = ...,
+        depth: DepthTermOptions = ...,
+        finest_level: int = ...,
+        coarsest_level: int = ...,
+        level_iterations: list[int] = ...,
+        lm: LmOptions = ...,
+        acceptance: AcceptanceOptions = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        motion: MotionGroup | str = ...,
+        noise_model: NoiseModel | str = ...,
+        sigma_intensity: float = ...,
+        sigma_mode: SigmaMode | str = ...,
+        loss: Loss | str = ...,
+        gradient: GradientMode | str = ...,
+        affine: AffineOptions = ...,
+        depth: DepthTermOptions = ...,
+        finest_level: int = ...,
+        coarsest_level: int = ...,
+        level_iterations: list[int] = ...,
+        lm: LmOptions = ...,
+        acceptance: AcceptanceOptions = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class KeyframeOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    min_gradient: float
+    max_points: int
+    spacing: int
+    block_size: int
+    def __init__(
+        self,
+        *,
+        min_gradient: float = ...,
+        max_points: int = ...,
+        spacing: int = ...,
+        block_size: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        min_gradient: float = ...,
+        max_points: int = ...,
+        spacing: int = ...,
+        block_size: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class TrackingFrame:
+    @property
+    def num_levels(self) -> int: ...
+    @property
+    def has_depth(self) -> bool: ...
+    def __init__(
+        self,
+        image: object,
+        camera: PinholeCamera,
+        *,
+        inverse_depth: object,
+        variance: object,
+        max_levels: int,
+    ) -> None: ...
+
+class TrackingKeyframe:
+    @property
+    def num_levels(self) -> int: ...
+    @property
+    def options(self) -> KeyframeOptions: ...
+    @property
+    def camera(self) -> PinholeCamera: ...
+    def __init__(self, frame: TrackingFrame, *, options: KeyframeOptions) -> None: ...
+    def points(self, level: int) -> NDArray[np.float32]: ...
+
+class LevelResult:
+    @property
+    def level(self) -> int: ...
+    @property
+    def num_points(self) -> int: ...
+    @property
+    def num_evaluations(self) -> int: ...
+    @property
+    def depth_weight(self) -> float: ...
+    @property
+    def summary(self) -> Summary: ...
+
+class AlignmentMaps:
+    @property
+    def residual(self) -> NDArray[np.float32]: ...
+    @property
+    def sigma(self) -> NDArray[np.float32]: ...
+    @property
+    def normalised_residual(self) -> NDArray[np.float32]: ...
+    @property
+    def weight(self) -> NDArray[np.float32]: ...
+    @property
+    def warped(self) -> NDArray[np.float32]: ...
+    @property
+    def mask(self) -> NDArray[Any]: ...
+
+class AlignmentResult:
+    @property
+    def T_th(self) -> NDArray[np.float64]: ...
+    @property
+    def status(self) -> AlignmentStatus: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def ok(self) -> bool: ...
+    @property
+    def covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def hessian_covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def information(self) -> NDArray[np.float64]: ...
+    @property
+    def inflation(self) -> float: ...
+    @property
+    def information_eigenvalues(self) -> NDArray[np.float64]: ...
+    @property
+    def weakest_direction(self) -> NDArray[np.float64]: ...
+    @property
+    def residual_variance(self) -> float: ...
+    @property
+    def depth_residual_variance(self) -> float: ...
+    @property
+    def num_points(self) -> int: ...
+    @property
+    def overlap(self) -> float: ...
+    @property
+    def usage(self) -> float: ...
+    @property
+    def good_ratio(self) -> float: ...
+    @property
+    def correlation(self) -> float: ...
+    @property
+    def a(self) -> float: ...
+    @property
+    def b(self) -> float: ...
+    @property
+    def mean_inverse_depth(self) -> float: ...
+    @property
+    def levels(self) -> list[LevelResult]: ...
+    @property
+    def maps(self) -> object: ...
+    def __repr__(self) -> str: ...
+
+class Aligner:
+    @property
+    def options(self) -> TrackingOptions: ...
+    def __init__(self, options: TrackingOptions) -> None: ...
+    def align(
+        self,
+        keyframe: TrackingKeyframe,
+        target: TrackingFrame,
+        *,
+        T_init: object,
+        a: float,
+        b: float,
+        maps: bool,
+    ) -> AlignmentResult: ...
+
 class Linearization:
     @property
     def cost(self) -> float: ...

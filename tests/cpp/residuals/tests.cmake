@@ -1,1 +1,2 @@
 raylign_add_test(residuals reprojection_test.cpp)
+raylign_add_test(residuals photometric_test.cpp)

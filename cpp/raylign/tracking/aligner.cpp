@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/tracking/aligner.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "raylign/base/error.h"
+#include "raylign/tracking/alignment_problem.h"
+#include "raylign/tracking/assessment.h"
+#include "raylign/tracking/maps.h"
+
+namespace raylign {
+namespace {
+
+using tracking::AlignmentProblem;
+using tracking::BlockSums;
+using tracking::PointPass;
+using tracking::PoseState;
+using tracking::TermScales;
+
+constexpr double kRigidTolerance = 1e-6;
+// Exact depth has no dispersion at all; the sums are in float.
+constexpr double kMaxWeight = 1e3;
+constexpr int kMinSide = 3;  // px: smaller levels have no inner pixel
+
+double scale_of(const Matrix4& T) { return std::cbrt(T.topLeftCorner<3, 3>().determinant()); }
+
+// [sR t; 0 1] with R a rotation; s = 1 unless `may_scale`.
+void require_motion(const Matrix4& T, bool may_scale) {
+  const double s = may_scale ? scale_of(T) : 1.0;
+  const Matrix3 R = T.topLeftCorner<3, 3>() / s;
+  const bool is_motion = T.allFinite() && s > 0.0 && R.determinant() > 0.0 &&
+                         (R * R.transpose() - Matrix3::Identity()).norm() < kRigidTolerance &&
+                         T.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0);
+  if (is_motion) return;
+  throw OptionsError(std::string("T_init must be a ") +
+                     (may_scale ? "similarity [sR t; 0 1]" : "rigid motion [R t; 0 1]"));
+}
+
+// Products of exponentials drift off the group by rounding only; here they are brought back.
+Matrix4 on_group(const Matrix4& T) {
+  const double s = scale_of(T);
+  Matrix4 result = T;
+  const Matrix3 R = T.topLeftCorner<3, 3>() / s;
+  result.topLeftCorner<3, 3>() = s * Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  return result;
+}
+
+template <typename Motion>
+std::vector<int> free_columns(const TrackingOptions& options) {
+  std::vector<int> columns;
+  for (int k = 0; k < Motion::kSize; ++k) columns.push_back(Motion::kFirst + k);
+  if (options.affine.mode != AffineMode::JOINT) return columns;
+  columns.push_back(tracking::kColumnA);
+  columns.push_back(tracking::kColumnB);
+  return columns;
+}
+
+// The last level that is worth tracking on, and the first.
+struct LevelRange {
+  int finest;
+  int coarsest;
+};
+
+LevelRange level_range(const Keyframe& keyframe,
+                       const Frame& target,
+                       const TrackingOptions& options) {
+  int last = std::min(keyframe.num_levels(), target.num_levels()) - 1;
+  while (last > 0 && std::min({keyframe.frame().width(last), keyframe.frame().height(last),
+                               target.width(last), target.height(last)}) < kMinSide) {
+    --last;
+  }
+  const int coarsest = std::min(options.coarsest_level, last);
+  return {std::min(options.finest_level, coarsest), coarsest};
+}
+
+void fail(AlignmentStatus status, const std::string& reason, AlignmentResult& result) {
+  result.status = status;
+  result.reason = reason;
+}
+
+// False, with status and reason, when the keyframe has nothing to align.
+bool has_enough_points(const PointList& points,
+                       const AcceptanceOptions& limits,
+                       AlignmentResult& result) {
+  result.num_points = points.num_points();
+  result.mean_inverse_depth = points.mean_inverse_depth();
+  if (points.num_points() >= limits.min_points) return true;
+  const std::string count = std::to_string(points.num_points()) + " points";
+  if (points.num_with_depth() >= limits.min_points) {
+    fail(AlignmentStatus::LOW_TEXTURE,
+         count + " of " + std::to_string(points.num_with_depth()) +
+             " pixels with depth have enough gradient (min_points)",
+         result);
+  } else {
+    fail(AlignmentStatus::TOO_FEW_POINTS, count + " with depth (min_points)", result);
+  }
+  return false;
+}
+
+// The scales of the next level from the residuals of this one: each term is weighed by what its own
+// residuals say about it, blocks taken as correlated (docs/theory/tracking.md).
+TermScales estimate_scales(const BlockSums& blocks, const DepthTermOptions& options) {
+  TermScales scales;
+  scales.depth_weight = options.weight;
+  if (!options.estimate_weight || !(blocks.sums.depth.count > 0.0)) return scales;
+  const double photometric = tracking::over_dispersion(blocks, false);
+  const double depth = tracking::over_dispersion(blocks, true);
+  if (!(photometric > 0.0) || !(depth > 0.0)) return scales;
+  scales.depth_weight *= std::clamp(photometric / depth, 1.0 / kMaxWeight, kMaxWeight);
+  return scales;
+}
+
+}  // namespace
+
+Aligner::Aligner(const TrackingOptions& options)
+    : options_((options.validate(), options)), pool_(options.lm.num_threads) {}
+
+AlignmentResult Aligner::align(const Keyframe& keyframe,
+                               const Frame& target,
+                               const AlignmentStart& start,
+                               bool with_maps) {
+  const bool is_sim3 = options_.motion == MotionGroup::SIM3;
+  require_motion(start.T_th, is_sim3);
+  if (is_sim3 && !target.has_depth()) {
+    throw OptionsError("MotionGroup.SIM3 needs a target with depth: intensities do not see scale");
+  }
+  switch (options_.motion) {
+    case MotionGroup::SO3:
+      return align_motion<tracking::So3Motion>(keyframe, target, start, with_maps);
+    case MotionGroup::SIM3:
+      return align_motion<tracking::Sim3Motion>(keyframe, target, start, with_maps);
+    case MotionGroup::SE3:
+      break;
+  }
+  return align_motion<tracking::Se3Motion>(keyframe, target, start, with_maps);
+}
+
+template <typename Motion>
+AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
+                                      const Frame& target,
+                                      const AlignmentStart& start,
+                                      bool with_maps) {
+  AlignmentResult result;
+  result.motion = options_.motion;
+  result.T_th = start.T_th;
+  const LevelRange levels = level_range(keyframe, target, options_);
+  if (!has_enough_points(keyframe.points(levels.finest), options_.acceptance, result)) {
+    return result;
+  }
+  PoseState state = {start.T_th, start.a, start.b};
+  TermScales scales;
+  scales.depth_weight = options_.depth.weight;
+  BlockSums blocks;
+  LmOptions lm = options_.lm;
+  for (int level = levels.coarsest; level >= levels.finest; --level) {
+    // a level too poor to say anything is passed over
+    if (keyframe.points(level).num_points() < options_.acceptance.min_points) continue;
+    const Stopwatch clock;
+    PointPass pass(keyframe, target, level, options_, pool_, workspace_);
+    AlignmentProblem<Motion> problem(pass, options_, state, scales);
+    lm.max_num_iterations = options_.max_iterations(level);
+    LevelResult record;
+    record.summary = minimize(problem, lm, IterationCallback(), clock, pass.num_points());
+    state = problem.state();
+    record.level = level;
+    record.num_points = pass.num_points();
+    record.depth_weight = pass.has_depth_term() ? scales.depth_weight : 0.0;
+    const bool is_last = level == levels.finest;
+    if (is_last || (pass.has_depth_term() && options_.depth.estimate_weight)) {
+      // the spare buffer: the problem is done with it
+      blocks.sums = pass.run_tiles(state, scales, nullptr, workspace_.variances[0], blocks.tiles);
+    }
+    record.num_evaluations = problem.num_evaluations() + (is_last ? 1 : 0);
+    result.levels.push_back(std::move(record));
+    if (!is_last) {
+      if (pass.has_depth_term()) scales = estimate_scales(blocks, options_.depth);
+      continue;
+    }
+    result.T_th = on_group(state.T_th);
+    result.a = state.a;
+    result.b = state.b;
+    tracking::set_agreement(blocks, pass.num_points(), result);
+    tracking::set_uncertainty(blocks, free_columns<Motion>(options_), options_,
+                              pass.has_depth_term() ? scales.depth_weight : 0.0, result);
+    tracking::set_status(options_, result);
+    if (with_maps) {
+      result.maps = tracking::make_maps(keyframe, target, level, pass.settings(state, scales));
+    }
+  }
+  return result;
+}
+
+std::string to_string(AlignmentStatus status) {
+  switch (status) {
+    case AlignmentStatus::OK:
+      return "ok";
+    case AlignmentStatus::LOST_OVERLAP:
+      return "lost_overlap";
+    case AlignmentStatus::TOO_FEW_POINTS:
+      return "too_few_points";
+    case AlignmentStatus::DIVERGED:
+      return "diverged";
+    case AlignmentStatus::NOT_CONVERGED:
+      return "not_converged";
+    case AlignmentStatus::DEGENERATE:
+      return "degenerate";
+    case AlignmentStatus::LOW_TEXTURE:
+      return "low_texture";
+    case AlignmentStatus::MOTION_BOUND:
+      return "motion_bound";
+  }
+  return "unknown";
+}
+
+}  // namespace raylign

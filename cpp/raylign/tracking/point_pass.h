@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "raylign/base/eigen.h"
+#include "raylign/base/thread_pool.h"
+#include "raylign/tracking/frame.h"
+#include "raylign/tracking/kernels.h"
+#include "raylign/tracking/keyframe.h"
+#include "raylign/tracking/options.h"
+
+namespace raylign::tracking {
+
+/// What alignment estimates.
+struct PoseState {
+  Matrix4 T_th = Matrix4::Identity();
+  double a = 0.0;
+  double b = 0.0;
+};
+
+/// The terms' residuals are divided by these beside σ, and the depth term's cost is multiplied.
+struct TermScales {
+  double depth_scale = 1.0;
+  double depth_weight = 1.0;
+};
+
+/// σ² per point of both terms, padded as the points are.
+struct VarianceBuffers {
+  std::vector<float> photometric;
+  std::vector<float> depth;
+};
+
+/// Memory of a pass; kept between levels and frames.
+struct Workspace {
+  VarianceBuffers variances[2];
+  std::vector<PassSums> chunk_sums;
+};
+
+/// Runs the kernel over all points of a level, on several threads; the bits of the sums do not
+/// depend on their number.
+class PointPass {
+ public:
+  PointPass(const Keyframe& keyframe,
+            const Frame& target,
+            int level,
+            const TrackingOptions& options,
+            ThreadPool& pool,
+            Workspace& workspace);
+
+  /// σ² goes to `out`; with `reference` the sums hold the cost at those σ², too.
+  PassSums run(const PoseState& state,
+               const TermScales& scales,
+               const VarianceBuffers* reference,
+               VarianceBuffers& out);
+  /// As run, and one row of sums per tile.
+  PassSums run_tiles(const PoseState& state,
+                     const TermScales& scales,
+                     const VarianceBuffers* reference,
+                     VarianceBuffers& out,
+                     std::vector<TileSums>& tiles);
+
+  int level() const { return level_; }
+  int num_points() const { return points_.num_points(); }
+  double mean_inverse_depth() const { return points_.mean_inverse_depth(); }
+  bool has_depth_term() const { return target_.depth != nullptr; }
+  Workspace& workspace() { return workspace_; }
+  PassSettings settings(const PoseState& state, const TermScales& scales) const;
+
+ private:
+  // Tiles [begin, end) make a task of about a thousand points.
+  struct Chunk {
+    std::size_t begin;
+    std::size_t end;
+  };
+
+  void make_chunks();
+  PassSums run(const PoseState& state,
+               const TermScales& scales,
+               const VarianceBuffers* reference,
+               VarianceBuffers& out,
+               TileSums* tiles);
+
+  const PointList& points_;
+  TargetArrays target_;
+  PinholeCamera camera_;
+  int level_;
+  const TrackingOptions& options_;
+  ThreadPool& pool_;
+  Workspace& workspace_;
+  std::vector<Chunk> chunks_;
+};
+
+}  // namespace raylign::tracking

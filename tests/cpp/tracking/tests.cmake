@@ -1,0 +1,1 @@
+raylign_add_test(tracking kernels_test.cpp)
