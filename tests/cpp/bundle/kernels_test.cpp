@@ -35,16 +35,14 @@ struct Fixture {
   std::vector<CameraSums> sums{static_cast<std::size_t>(layout.num_cameras), CameraSums{}};
   double cost = 0.0;
 
-  explicit Fixture(Loss law, BalProblem scene = test::small_problem())
+  explicit Fixture(Loss law, BalProblem scene = test::small_problem(), Linearize* body = linearize)
       : loss(law), problem(std::move(scene)) {
     for (const std::int32_t p : layout.points) {
       for (int k = 0; k < 3; ++k) X.push_back(problem.points(p, k));
     }
-    cost = linearize(observations(), 0, layout.num_landmarks(), cameras.packets(), X.data(), &loss,
-                     J.data(), blocks.data(), sums.data());
-  }
-  Observations observations() const {
-    return {layout.starts.data(), layout.camera.data(), layout.uv.data()};
+    std::vector<CameraRows> scratch(layout.max_window());
+    cost = body(layout.observations(), 0, layout.num_windows(), cameras.packets(), X.data(), &loss,
+                J.data(), blocks.data(), sums.data(), scratch.data());
   }
   Vector3 point(std::int64_t j) const { return Eigen::Map<const Vector3>(X.data() + 3 * j); }
   Vector2 uv(std::int64_t q) const { return Eigen::Map<const Vector2>(layout.uv.data() + 2 * q); }
@@ -52,8 +50,7 @@ struct Fixture {
 
 class Kernels : public testing::TestWithParam<LossType> {};
 
-TEST_P(Kernels, LinearizationEqualsItsScalarTwin) {
-  const Fixture s({GetParam(), 20.0});
+void expect_scalar_twin(const Fixture& s) {
   double cost = 0.0;
   std::vector<Eigen::Matrix<double, 9, 9>> U(s.layout.num_cameras,
                                              Eigen::Matrix<double, 9, 9>::Zero());
@@ -84,6 +81,12 @@ TEST_P(Kernels, LinearizationEqualsItsScalarTwin) {
     EXPECT_TRUE(is_relatively_near(Eigen::Map<const Vector9>(s.sums[i].g), g[i], 1e-11));
     EXPECT_TRUE(Block9(s.sums[i].U.values).rightCols<3>().isZero(0.0));  // the padding
   }
+}
+
+TEST_P(Kernels, LinearizationEqualsItsScalarTwin) {
+  expect_scalar_twin(Fixture({GetParam(), 20.0}, test::small_problem(), narrow_linearize()));
+  if (wide_linearize() == nullptr) GTEST_SKIP() << "no AVX-512";
+  expect_scalar_twin(Fixture({GetParam(), 20.0}, test::small_problem(), wide_linearize()));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -136,7 +139,7 @@ class Subtraction : public testing::TestWithParam<bool> {  // long tracks: no pl
     const ProductWindows windows{static_cast<std::int64_t>(plan_.windows.size()),
                                  plan_.windows.data(), plan_.visits.data(), plan_.products.data()};
     for (const auto& [begin, end] : {std::pair(0, 2), std::pair(2, count)}) {
-      subtract(s.observations(), windows, s.cameras.packets(), s.X.data(), s.J.data(),
+      subtract(s.layout.observations(), windows, s.cameras.packets(), s.X.data(), s.J.data(),
                s.blocks.data(), factors.data(), begin, end, S, scratch.data());
     }
     for (int i = 0; i < count; ++i) {
@@ -206,6 +209,11 @@ TEST(Layout, WalksLandmarksByLowestCameraAndObservationsByCamera) {
   EXPECT_EQ(layout.uv, (std::vector<double>{3, -3, 4, -4, 2, -2, 5, -5, 1, -1, 0, 0}));
   EXPECT_EQ(layout.observed, (std::vector<bool>{true, true, true}));
   EXPECT_EQ(layout.max_track_length(), 4);
+  EXPECT_EQ(layout.windows, (std::vector<std::int64_t>{0, 2}));
+  EXPECT_EQ(layout.places, (std::vector<std::int32_t>{0, 1, 4, 2, 3, 5}));
+  std::vector<std::pair<int, int>> visits;
+  for (const CameraVisit& visit : layout.visits) visits.emplace_back(visit.camera, visit.end);
+  EXPECT_EQ(visits, (std::vector<std::pair<int, int>>{{0, 1}, {1, 3}, {2, 6}}));
 }
 
 TEST(Layout, ChunksCoverAllLandmarksOnce) {
@@ -214,6 +222,13 @@ TEST(Layout, ChunksCoverAllLandmarksOnce) {
   EXPECT_EQ(layout.chunks.front(), 0);
   EXPECT_EQ(layout.chunks.back(), layout.num_landmarks());
   EXPECT_TRUE(std::is_sorted(layout.chunks.begin(), layout.chunks.end()));
+  for (int g = 0; g <= layout.num_chunks(); ++g) {
+    EXPECT_EQ(layout.windows[layout.chunk_windows[g]], layout.chunks[g]);
+  }
+  for (int w = 0; w < layout.num_windows(); ++w) {
+    EXPECT_LT(layout.windows[w], layout.windows[w + 1]);
+  }
+  EXPECT_LE(layout.max_window(), Layout::kWindow);
 }
 
 }  // namespace

@@ -26,6 +26,24 @@ RAYLIGN_INLINE const LooseLanes* loose_lanes(const double* row) {
   return reinterpret_cast<const LooseLanes*>(row);
 }
 
+// Vectors at any address that a double may have; in structs, because a template argument drops the
+// attributes.
+struct Four {
+  typedef double Vector __attribute__((vector_size(32), may_alias, aligned(8)));
+};
+struct Eight {
+  typedef double Vector __attribute__((vector_size(64), may_alias, aligned(8)));
+};
+
+template <typename Width>
+RAYLIGN_INLINE typename Width::Vector& at(double* values) {
+  return *reinterpret_cast<typename Width::Vector*>(values);
+}
+template <typename Width>
+RAYLIGN_INLINE const typename Width::Vector& at(const double* values) {
+  return *reinterpret_cast<const typename Width::Vector*>(values);
+}
+
 RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
@@ -34,22 +52,6 @@ RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
 
 RAYLIGN_INLINE double dot3(const double* a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-// The two rows of F = [a × A | −A | I], padded with zeros.
-RAYLIGN_INLINE void camera_rows(const ObservationJacobian& J,
-                                const double* X,
-                                const double* c,
-                                double* __restrict F) {
-  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
-  for (int row = 0; row < 2; ++row) {
-    double* f = F + row * kRow;
-    const double* A = J.A + 3 * row;
-    cross(a, A, f);
-    for (int k = 0; k < 3; ++k) f[3 + k] = -A[k];
-    for (int k = 0; k < 3; ++k) f[6 + k] = J.I[3 * row + k];
-    for (int k = 9; k < kRow; ++k) f[k] = 0.0;
-  }
 }
 
 // y = Wᵀ x and y = W x for the upper triangle W = (xx, xy, xz, yy, yz, zz).

@@ -3,9 +3,13 @@
 #include "raylign/bundle/native/kernels.h"
 
 #include <cmath>
+#include <type_traits>
 
 #include "raylign/base/clones.h"
 #include "raylign/bundle/native/kernel_math.h"
+
+// GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include "raylign/camera/bearing.h"
 
 namespace raylign::native {
@@ -86,20 +90,163 @@ RAYLIGN_INLINE void add_landmark(const double* A, const double* r, LandmarkBlock
   for (int k = 0; k < 3; ++k) block.g[k] += A[k] * r[0] + b[k] * r[1];
 }
 
-RAYLIGN_INLINE void add_camera(const double* F, const double* r, CameraSums& sums) {
-  const Lanes* f0 = lanes(F);
-  const Lanes* f1 = lanes(F + kRow);
-  for (int row = 0; row < 9; ++row) {
-    Lanes* U = lanes(sums.U.values + row * kRow);
-    for (int v = 0; v < kLanes; ++v) U[v] += F[row] * f0[v] + F[kRow + row] * f1[v];
+// F = [a × A | −A | I] and r.
+RAYLIGN_INLINE void write_rows(const ObservationJacobian& J,
+                               const double* X,
+                               const double* c,
+                               const double* r,
+                               CameraRows& rows) {
+  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
+  for (int row = 0; row < 2; ++row) {
+    double* f = rows.F[row];
+    const double* A = J.A + 3 * row;
+    cross(a, A, f);
+    for (int k = 0; k < 3; ++k) f[3 + k] = -A[k];
+    f[6] = J.I[3 * row];
+    f[7] = J.I[3 * row + 1];
+    rows.tail[row] = J.I[3 * row + 2];
+    rows.r[row] = r[row];
   }
-  Lanes* g = lanes(sums.g);
-  for (int v = 0; v < kLanes; ++v) g[v] += r[0] * f0[v] + r[1] * f1[v];
 }
 
-}  // namespace
+// One landmark: J, H, g, and F for the cameras. Adds to the cost; false when there is none.
+RAYLIGN_INLINE bool linearize_landmark(const Observations& observations,
+                                       std::int64_t j,
+                                       const CameraPacket* packets,
+                                       const double* X,
+                                       const Loss* loss,
+                                       ObservationJacobian* J,
+                                       LandmarkBlock* blocks,
+                                       CameraRows* rows,
+                                       double& cost) {
+  LandmarkBlock block = {};
+  for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
+    const CameraPacket& camera = packets[observations.camera[q]];
+    double P[3];
+    transform(camera, X + 3 * j, P);
+    Projection p;
+    if (!project(camera, P, p)) return false;
+    double r[2];
+    residual(camera, p, observations.uv + 2 * q, r);
+    ObservationJacobian J_q;
+    jacobian(camera, p, J_q);
+    const double s = r[0] * r[0] + r[1] * r[1];
+    cost += loss == nullptr ? s : apply_loss(*loss, s, J_q, r);
+    J[q] = J_q;
+    add_landmark(J_q.A, r, block);
+    write_rows(J_q, X + 3 * j, camera.c, r, *rows++);
+  }
+  blocks[j] = block;
+  return true;
+}
 
-RAYLIGN_CLONES double linearize(const Observations& observations,
+// Rows [kFirst, kLast) < 8 of U += Σ FᵀF, columns 0 … 7, and with kEdge the ninth row, which is
+// the ninth column too, and g += Σ Fᵀr.
+template <typename Width, int kFirst, int kLast, bool kEdge>
+RAYLIGN_INLINE void add_sweep(const CameraRows* rows,
+                              const std::int32_t* place,
+                              const std::int32_t* end,
+                              CameraSums& sums) {
+  using Vector = typename Width::Vector;
+  constexpr int kWidth = sizeof(Vector) / sizeof(double);
+  constexpr int kVectors = 8 / kWidth;
+  constexpr int kRows = kLast - kFirst;
+  double* U = sums.U.values;
+  Vector sum[kRows + 1][kVectors];
+  Vector ninth[kVectors];
+  Vector g[kVectors];
+  for (int v = 0; v < kVectors; ++v) {
+    for (int r = 0; r < kRows; ++r) sum[r][v] = at<Width>(U + (kFirst + r) * kRow + v * kWidth);
+    ninth[v] = at<Width>(U + 8 * kRow + v * kWidth);
+    g[v] = at<Width>(sums.g + v * kWidth);
+  }
+  double corner = U[8 * kRow + 8];
+  double g_corner = sums.g[8];
+  for (; place != end; ++place) {
+    const CameraRows& row = rows[*place];
+    for (int n = 0; n < 2; ++n) {
+      for (int v = 0; v < kVectors; ++v) {
+        const Vector f = at<Width>(row.F[n] + v * kWidth);
+        for (int r = 0; r < kRows; ++r) sum[r][v] += row.F[n][kFirst + r] * f;
+        if (!kEdge) continue;
+        ninth[v] += row.tail[n] * f;
+        g[v] += row.r[n] * f;
+      }
+      corner += row.tail[n] * row.tail[n];
+      g_corner += row.tail[n] * row.r[n];
+    }
+  }
+  for (int v = 0; v < kVectors; ++v) {
+    for (int r = 0; r < kRows; ++r) at<Width>(U + (kFirst + r) * kRow + v * kWidth) = sum[r][v];
+    if (!kEdge) continue;
+    at<Width>(U + 8 * kRow + v * kWidth) = ninth[v];
+    at<Width>(sums.g + v * kWidth) = g[v];
+    for (int r = 0; r < kWidth; ++r) U[(v * kWidth + r) * kRow + 8] = ninth[v][r];
+  }
+  if (!kEdge) return;
+  U[8 * kRow + 8] = corner;
+  sums.g[8] = g_corner;
+}
+
+// AVX-512 holds the sums of a camera in registers; AVX2 a half.
+template <typename Width>
+RAYLIGN_INLINE void add_camera(const CameraRows* rows,
+                               const std::int32_t* begin,
+                               const std::int32_t* end,
+                               CameraSums& sums) {
+  if (std::is_same_v<Width, Eight>) {
+    add_sweep<Width, 0, 8, true>(rows, begin, end, sums);
+  } else {
+    add_sweep<Width, 0, 4, false>(rows, begin, end, sums);
+    add_sweep<Width, 4, 8, false>(rows, begin, end, sums);
+    add_sweep<Width, 8, 8, true>(rows, begin, end, sums);
+  }
+}
+
+template <typename Width>
+RAYLIGN_INLINE double linearize_windows(const Observations& observations,
+                                        std::int64_t begin,
+                                        std::int64_t end,
+                                        const CameraPacket* packets,
+                                        const double* X,
+                                        const Loss* loss,
+                                        ObservationJacobian* J,
+                                        LandmarkBlock* blocks,
+                                        CameraSums* cameras,
+                                        CameraRows* scratch) {
+  double cost = 0.0;
+  for (std::int64_t w = begin; w < end; ++w) {
+    const std::int64_t first = observations.starts[observations.windows[w]];
+    for (auto j = observations.windows[w]; j < observations.windows[w + 1]; ++j) {
+      CameraRows* rows = scratch + (observations.starts[j] - first);
+      if (!linearize_landmark(observations, j, packets, X, loss, J, blocks, rows, cost)) return NAN;
+    }
+    const std::int32_t* places = observations.places + first;
+    std::int32_t visited = 0;
+    for (auto v = observations.window_visits[w]; v < observations.window_visits[w + 1]; ++v) {
+      const CameraVisit& visit = observations.visits[v];
+      add_camera<Width>(scratch, places + visited, places + visit.end, cameras[visit.camera]);
+      visited = visit.end;
+    }
+  }
+  return 0.5 * cost;
+}
+
+RAYLIGN_CLONES double narrow_body(const Observations& observations,
+                                  std::int64_t begin,
+                                  std::int64_t end,
+                                  const CameraPacket* packets,
+                                  const double* X,
+                                  const Loss* loss,
+                                  ObservationJacobian* J,
+                                  LandmarkBlock* blocks,
+                                  CameraSums* cameras,
+                                  CameraRows* scratch) {
+  return linearize_windows<Four>(observations, begin, end, packets, X, loss, J, blocks, cameras,
+                                 scratch);
+}
+
+RAYLIGN_AVX512 double wide_body(const Observations& observations,
                                 std::int64_t begin,
                                 std::int64_t end,
                                 const CameraPacket* packets,
@@ -107,31 +254,30 @@ RAYLIGN_CLONES double linearize(const Observations& observations,
                                 const Loss* loss,
                                 ObservationJacobian* J,
                                 LandmarkBlock* blocks,
-                                CameraSums* cameras) {
-  double cost = 0.0;
-  for (std::int64_t j = begin; j < end; ++j) {
-    LandmarkBlock block = {};
-    for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
-      const std::int32_t i = observations.camera[q];
-      double P[3];
-      transform(packets[i], X + 3 * j, P);
-      Projection p;
-      if (!project(packets[i], P, p)) return NAN;
-      double r[2];
-      residual(packets[i], p, observations.uv + 2 * q, r);
-      ObservationJacobian J_q;
-      jacobian(packets[i], p, J_q);
-      const double s = r[0] * r[0] + r[1] * r[1];
-      cost += loss == nullptr ? s : apply_loss(*loss, s, J_q, r);
-      J[q] = J_q;
-      alignas(32) double F[2 * kRow];
-      camera_rows(J_q, X + 3 * j, packets[i].c, F);
-      add_landmark(J_q.A, r, block);
-      add_camera(F, r, cameras[i]);
-    }
-    blocks[j] = block;
-  }
-  return 0.5 * cost;
+                                CameraSums* cameras,
+                                CameraRows* scratch) {
+  return linearize_windows<Eight>(observations, begin, end, packets, X, loss, J, blocks, cameras,
+                                  scratch);
+}
+
+}  // namespace
+
+Linearize* narrow_linearize() { return narrow_body; }
+
+Linearize* wide_linearize() { return has_avx512() ? wide_body : nullptr; }
+
+double linearize(const Observations& observations,
+                 std::int64_t begin,
+                 std::int64_t end,
+                 const CameraPacket* packets,
+                 const double* X,
+                 const Loss* loss,
+                 ObservationJacobian* J,
+                 LandmarkBlock* blocks,
+                 CameraSums* cameras,
+                 CameraRows* scratch) {
+  Linearize* const body = has_avx512() ? wide_body : narrow_body;
+  return body(observations, begin, end, packets, X, loss, J, blocks, cameras, scratch);
 }
 
 RAYLIGN_CLONES TrialSums try_landmarks(const Observations& observations,

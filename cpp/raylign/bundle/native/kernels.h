@@ -56,16 +56,33 @@ struct CameraSums {
   alignas(32) double g[kRow];
 };
 
-/// The data that every kernel walks along; `landmark` indexes starts, X and the blocks.
+/// The observations of a window by one camera; they begin where those of the visit before end.
+struct CameraVisit {
+  std::int32_t camera;
+  std::int32_t end;  ///< counted from the window's first
+};
+
+/// The data that every kernel walks along; `landmark` indexes starts, X and the blocks. See Layout.
 struct Observations {
   const std::int64_t* starts;
   const std::int32_t* camera;
   const double* uv;
+  const std::int64_t* windows;  ///< first landmark of each window
+  const std::int32_t* places;
+  const CameraVisit* visits;
+  const std::int64_t* window_visits;
 };
 
-/// Landmarks [begin, end): writes J, one per observation, and H, g, one per landmark; adds to
+/// F and r of one observation: two rows of eight, the ninth of each, r.
+struct alignas(64) CameraRows {
+  double F[2][8];
+  double tail[2];
+  double r[2];
+};
+
+/// Windows [begin, end): writes J, one per observation, and H, g, one per landmark; adds to
 /// `cameras`, one per camera. Returns ½ Σ ρ(‖r‖²), NaN when a point lies in a camera's plane.
-/// `loss` may be null: least squares.
+/// `loss` may be null: least squares. `scratch`: (Layout::max_window(),), one per thread.
 double linearize(const Observations& observations,
                  std::int64_t begin,
                  std::int64_t end,
@@ -74,7 +91,14 @@ double linearize(const Observations& observations,
                  const Loss* loss,
                  ObservationJacobian* J,
                  LandmarkBlock* blocks,
-                 CameraSums* cameras);
+                 CameraSums* cameras,
+                 CameraRows* scratch);
+
+/// The two bodies of `linearize`, by the width of their vectors, for the tests; it takes the one
+/// that the machine runs faster.
+using Linearize = decltype(linearize);
+Linearize* narrow_linearize();
+Linearize* wide_linearize();  ///< null where there is no AVX-512
 
 /// Sums over landmarks of what the loop wants to know of a step.
 struct TrialSums {

@@ -71,6 +71,7 @@ Layout::Layout(const BalProblem& problem)
 
   cut_chunks();
   cut_windows();
+  sort_windows();
 }
 
 void Layout::cut_chunks() {
@@ -94,6 +95,34 @@ void Layout::cut_windows() {
   }
   chunk_windows.push_back(static_cast<std::int32_t>(windows.size()));
   windows.push_back(num_landmarks());
+}
+
+void Layout::sort_windows() {
+  places.resize(num_observations());
+  std::vector<std::int32_t> next(num_cameras, 0);
+  std::vector<std::int32_t> seen;
+  window_visits.push_back(0);
+  for (int w = 0; w < num_windows(); ++w) {
+    const std::int64_t begin = starts[windows[w]];
+    const std::int64_t end = starts[windows[w + 1]];
+    for (auto q = begin; q < end; ++q) {
+      if (next[camera[q]]++ == 0) seen.push_back(camera[q]);
+    }
+    std::sort(seen.begin(), seen.end());
+    std::int32_t sum = 0;
+    for (const std::int32_t i : seen) {
+      const std::int32_t first = sum;
+      sum += next[i];
+      next[i] = first;
+      visits.push_back({i, sum});
+    }
+    for (auto q = begin; q < end; ++q) {
+      places[begin + next[camera[q]]++] = static_cast<std::int32_t>(q - begin);
+    }
+    for (const std::int32_t i : seen) next[i] = 0;
+    seen.clear();
+    window_visits.push_back(static_cast<std::int64_t>(visits.size()));
+  }
 }
 
 std::int64_t Layout::max_window() const {

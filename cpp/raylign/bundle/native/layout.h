@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "raylign/bundle/native/kernels.h"
 #include "raylign/scene/bal_problem.h"
 
 namespace raylign::native {
@@ -32,11 +33,21 @@ struct Layout {
   std::vector<std::int64_t> windows;
   std::vector<std::int32_t> chunk_windows;  ///< (G + 1,) first window of each chunk
 
+  /// The observations of each window by camera: their places in the window, (N,), and where those
+  /// of one camera end.
+  std::vector<std::int32_t> places;
+  std::vector<CameraVisit> visits;
+  std::vector<std::int64_t> window_visits;  ///< (W + 1,) first visit of each window
+
   static constexpr std::int64_t kWindow = 512;    ///< observations
   static constexpr std::int64_t kLongTrack = 64;  ///< longer tracks are long
 
   bool is_long(std::int64_t landmark) const {
     return starts[landmark + 1] - starts[landmark] > kLongTrack;
+  }
+  Observations observations() const {
+    return {starts.data(), camera.data(), uv.data(),           windows.data(),
+            places.data(), visits.data(), window_visits.data()};
   }
   int num_windows() const { return static_cast<int>(windows.size()) - 1; }
   /// Observations of the largest window.
@@ -50,6 +61,7 @@ struct Layout {
  private:
   void cut_chunks();
   void cut_windows();
+  void sort_windows();
 };
 
 }  // namespace raylign::native

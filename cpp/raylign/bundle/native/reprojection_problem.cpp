@@ -46,6 +46,7 @@ ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
   chunk_costs_.resize(num_chunks);
   chunk_trials_.resize(num_chunks);
   chunk_scratch_.assign(num_chunks, std::vector<double>(2 * layout_.max_track_length()));
+  chunk_rows_.assign(num_chunks, std::vector<CameraRows>(layout_.max_window()));
   const auto columns = static_cast<std::size_t>(cameras_.num_columns());
   for (auto* table : {&camera_gradient_, &camera_diagonal_, &camera_scales_, &damping_, &delta_}) {
     table->resize(columns);
@@ -73,9 +74,10 @@ LmState ReprojectionProblem::linearize() {
 double ReprojectionProblem::linearize_landmarks() {
   pool_.run(layout_.num_chunks(), [&](int g) {
     std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
-    chunk_costs_[g] = native::linearize(observations(), layout_.chunks[g], layout_.chunks[g + 1],
-                                        cameras_.packets(), X_.data(), loss(), J_.data(),
-                                        landmark_blocks_.data(), chunk_cameras_[g].data());
+    chunk_costs_[g] =
+        native::linearize(observations(), layout_.chunk_windows[g], layout_.chunk_windows[g + 1],
+                          cameras_.packets(), X_.data(), loss(), J_.data(), landmark_blocks_.data(),
+                          chunk_cameras_[g].data(), chunk_rows_[g].data());
   });
   double cost = 0.0;
   for (const double chunk : chunk_costs_) cost += chunk;

@@ -49,9 +49,7 @@ class ReprojectionProblem {
   const std::string& linear_solver_reason() const { return solver_.reason; }
 
  private:
-  Observations observations() const {
-    return {layout_.starts.data(), layout_.camera.data(), layout_.uv.data()};
-  }
+  Observations observations() const { return layout_.observations(); }
   const Loss* loss() const {
     return options_.loss.type == LossType::TRIVIAL ? nullptr : &options_.loss;
   }
@@ -83,6 +81,7 @@ class ReprojectionProblem {
   std::vector<double> chunk_costs_;
   std::vector<TrialSums> chunk_trials_;
   std::vector<std::vector<double>> chunk_scratch_;
+  std::vector<std::vector<CameraRows>> chunk_rows_;
 
   std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns
   std::vector<double> delta_;                                                        // user columns

@@ -12,24 +12,6 @@
 namespace raylign::native {
 namespace {
 
-// Vectors at any address that a double may have; in structs, because a template argument drops the
-// attributes.
-struct Four {
-  typedef double Vector __attribute__((vector_size(32), may_alias, aligned(8)));
-};
-struct Eight {
-  typedef double Vector __attribute__((vector_size(64), may_alias, aligned(8)));
-};
-
-template <typename Width>
-RAYLIGN_INLINE typename Width::Vector& at(double* values) {
-  return *reinterpret_cast<typename Width::Vector*>(values);
-}
-template <typename Width>
-RAYLIGN_INLINE const typename Width::Vector& at(const double* values) {
-  return *reinterpret_cast<const typename Width::Vector*>(values);
-}
-
 // Zᵀ = (A W)ᵀ F; F = [a × A | −A | I] stays in registers.
 RAYLIGN_INLINE void eliminate(const ObservationJacobian& J,
                               const double* W,
