@@ -42,7 +42,7 @@ struct Fixture {
     }
     std::vector<CameraRows> scratch(layout.max_window());
     cost = body(layout.observations(), 0, layout.num_windows(), cameras.packets(), X.data(), &loss,
-                J.data(), blocks.data(), sums.data(), scratch.data());
+                J.data(), blocks.data(), sums.data(), 0, scratch.data());
   }
   Vector3 point(std::int64_t j) const { return Eigen::Map<const Vector3>(X.data() + 3 * j); }
   Vector2 uv(std::int64_t q) const { return Eigen::Map<const Vector2>(layout.uv.data() + 2 * q); }

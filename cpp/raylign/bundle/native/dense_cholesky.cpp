@@ -4,11 +4,13 @@
 
 #include <algorithm>
 
+#include "raylign/bundle/native/blocked_cholesky.h"
 #include "raylign/bundle/native/lapack.h"
 
 namespace raylign::native {
 
-DenseCholesky::DenseCholesky(const CameraBlocks& cameras) : cameras_(cameras) {
+DenseCholesky::DenseCholesky(const CameraBlocks& cameras, ThreadPool& pool)
+    : cameras_(cameras), pool_(pool) {
   const auto n = static_cast<std::size_t>(cameras_.num_columns());
   matrix_.resize(n * n);
 }
@@ -17,9 +19,11 @@ DenseCholesky::DenseCholesky(const CameraBlocks& cameras) : cameras_(cameras) {
 void DenseCholesky::fill(const SchurSystem& system) {
   const SchurPattern& pattern = system.pattern();
   const std::int64_t n = cameras_.num_columns();
-  for (std::int32_t i = 0; i < pattern.num_cameras(); ++i) {
+  pool_.run(pattern.num_cameras(), [&](int i) {
     const std::int64_t first = cameras_.offset(i);
-    std::fill(matrix_.begin() + first * n, matrix_.begin() + (first + cameras_.size(i)) * n, 0.0);
+    for (std::int64_t a = first; a < first + cameras_.size(i); ++a) {
+      std::fill(matrix_.begin() + a * n + a, matrix_.begin() + (a + 1) * n, 0.0);
+    }
     for (auto b = pattern.starts[i]; b < pattern.starts[i + 1]; ++b) {
       const std::int32_t k = pattern.columns[b];
       double* out = matrix_.data() + first * n + cameras_.offset(k);
@@ -27,12 +31,12 @@ void DenseCholesky::fill(const SchurSystem& system) {
         std::copy_n(system.blocks()[b].values + a * kRow, cameras_.size(k), out + a * n);
       }
     }
-  }
+  });
 }
 
 bool DenseCholesky::factor(const SchurSystem& system) {
   fill(system);
-  return factor_dense(matrix_.data(), cameras_.num_columns());
+  return factor_cholesky(matrix_.data(), cameras_.num_columns(), pool_);
 }
 
 void DenseCholesky::solve(double* x) { solve_dense(matrix_.data(), cameras_.num_columns(), x); }

@@ -12,7 +12,7 @@ namespace raylign::native {
 /// construction.
 class DenseCholesky : public SchurFactor {
  public:
-  explicit DenseCholesky(const CameraBlocks& cameras);
+  DenseCholesky(const CameraBlocks& cameras, ThreadPool& pool);
   bool factor(const SchurSystem& system) override;
   void solve(double* x) override;
 
@@ -20,6 +20,7 @@ class DenseCholesky : public SchurFactor {
   void fill(const SchurSystem& system);
 
   const CameraBlocks& cameras_;
+  ThreadPool& pool_;
   std::vector<double> matrix_;  // lower triangle, column-major
 };
 

@@ -213,6 +213,7 @@ RAYLIGN_INLINE double linearize_windows(const Observations& observations,
                                         ObservationJacobian* J,
                                         LandmarkBlock* blocks,
                                         CameraSums* cameras,
+                                        std::int32_t first_camera,
                                         CameraRows* scratch) {
   double cost = 0.0;
   for (std::int64_t w = begin; w < end; ++w) {
@@ -225,7 +226,8 @@ RAYLIGN_INLINE double linearize_windows(const Observations& observations,
     std::int32_t visited = 0;
     for (auto v = observations.window_visits[w]; v < observations.window_visits[w + 1]; ++v) {
       const CameraVisit& visit = observations.visits[v];
-      add_camera<Width>(scratch, places + visited, places + visit.end, cameras[visit.camera]);
+      add_camera<Width>(scratch, places + visited, places + visit.end,
+                        cameras[visit.camera - first_camera]);
       visited = visit.end;
     }
   }
@@ -241,9 +243,10 @@ RAYLIGN_CLONES double narrow_body(const Observations& observations,
                                   ObservationJacobian* J,
                                   LandmarkBlock* blocks,
                                   CameraSums* cameras,
+                                  std::int32_t first_camera,
                                   CameraRows* scratch) {
   return linearize_windows<Four>(observations, begin, end, packets, X, loss, J, blocks, cameras,
-                                 scratch);
+                                 first_camera, scratch);
 }
 
 RAYLIGN_AVX512 double wide_body(const Observations& observations,
@@ -255,9 +258,10 @@ RAYLIGN_AVX512 double wide_body(const Observations& observations,
                                 ObservationJacobian* J,
                                 LandmarkBlock* blocks,
                                 CameraSums* cameras,
+                                std::int32_t first_camera,
                                 CameraRows* scratch) {
   return linearize_windows<Eight>(observations, begin, end, packets, X, loss, J, blocks, cameras,
-                                  scratch);
+                                  first_camera, scratch);
 }
 
 }  // namespace
@@ -275,9 +279,11 @@ double linearize(const Observations& observations,
                  ObservationJacobian* J,
                  LandmarkBlock* blocks,
                  CameraSums* cameras,
+                 std::int32_t first_camera,
                  CameraRows* scratch) {
   Linearize* const body = has_avx512() ? wide_body : narrow_body;
-  return body(observations, begin, end, packets, X, loss, J, blocks, cameras, scratch);
+  return body(observations, begin, end, packets, X, loss, J, blocks, cameras, first_camera,
+              scratch);
 }
 
 RAYLIGN_CLONES TrialSums try_landmarks(const Observations& observations,

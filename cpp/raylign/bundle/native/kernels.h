@@ -81,8 +81,9 @@ struct alignas(64) CameraRows {
 };
 
 /// Windows [begin, end): writes J, one per observation, and H, g, one per landmark; adds to
-/// `cameras`, one per camera. Returns ½ Σ ρ(‖r‖²), NaN when a point lies in a camera's plane.
-/// `loss` may be null: least squares. `scratch`: (Layout::max_window(),), one per thread.
+/// `cameras`, whose first is camera `first_camera`. Returns ½ Σ ρ(‖r‖²), NaN when a point lies in a
+/// camera's plane. `loss` may be null: least squares. `scratch`: (Layout::max_window(),), one per
+/// thread.
 double linearize(const Observations& observations,
                  std::int64_t begin,
                  std::int64_t end,
@@ -92,6 +93,7 @@ double linearize(const Observations& observations,
                  ObservationJacobian* J,
                  LandmarkBlock* blocks,
                  CameraSums* cameras,
+                 std::int32_t first_camera,
                  CameraRows* scratch);
 
 /// The two bodies of `linearize`, by the width of their vectors, for the tests; it takes the one

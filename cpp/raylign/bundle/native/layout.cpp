@@ -125,6 +125,16 @@ void Layout::sort_windows() {
   }
 }
 
+std::pair<std::int32_t, std::int32_t> Layout::camera_range(int chunk) const {
+  std::int32_t first = num_cameras;
+  std::int32_t last = -1;
+  for (auto w = chunk_windows[chunk]; w < chunk_windows[chunk + 1]; ++w) {
+    first = std::min(first, visits[window_visits[w]].camera);
+    last = std::max(last, visits[window_visits[w + 1] - 1].camera);
+  }
+  return {std::min(first, last + 1), last + 1};
+}
+
 std::int64_t Layout::max_window() const {
   std::int64_t largest = 0;
   for (int w = 0; w < num_windows(); ++w) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "raylign/bundle/native/kernels.h"
@@ -55,6 +56,9 @@ struct Layout {
 
   std::int64_t num_landmarks() const { return static_cast<std::int64_t>(points.size()); }
   std::int64_t num_observations() const { return static_cast<std::int64_t>(camera.size()); }
+  /// Cameras [first, second) hold all that the chunk touches.
+  std::pair<std::int32_t, std::int32_t> camera_range(int chunk) const;
+
   int num_chunks() const { return static_cast<int>(chunks.size()) - 1; }
   std::int64_t max_track_length() const;
 

@@ -27,7 +27,7 @@ std::unique_ptr<SchurPreconditioner> make_preconditioner(Preconditioner kind,
       return std::make_unique<TwoLevel>(context, pattern);
     case Preconditioner::STALE_FACTOR:
       return std::make_unique<StaleFactor>(context.cameras,
-                                           std::make_unique<DenseCholesky>(context.cameras));
+                                           std::make_unique<DenseCholesky>(context.cameras, context.pool));
     default:
       return std::make_unique<BlockJacobi>(context.cameras, kind);
   }
@@ -116,7 +116,7 @@ ChosenSolver make_linear_solver(const LinearSolverOptions& options,
   if (type == LinearSolverType::SPARSE_SCHUR) {
     factor = make_sparse_cholesky(context.cameras, pattern, ordering);
   } else {
-    factor = std::make_unique<DenseCholesky>(context.cameras);
+    factor = std::make_unique<DenseCholesky>(context.cameras, context.pool);
   }
   auto solver =
       std::make_unique<DirectSolver>(type, context, std::move(pattern), std::move(factor));

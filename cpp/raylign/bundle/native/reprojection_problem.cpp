@@ -18,6 +18,15 @@ std::vector<CoordinateMask> landmark_masks(const Layout& layout, const Constants
   return masks;
 }
 
+constexpr int kCamerasPerTask = 32;
+
+// max(a, |b|), NaN once b is not finite: std::max would step over it.
+double larger(double a, double b) {
+  b = std::abs(b);
+  if (std::isfinite(b)) return b > a ? b : a;  // a NaN in a stays
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
@@ -41,9 +50,13 @@ ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
   landmark_factors_.resize(num_landmarks);
   landmark_scales_.resize(3 * num_landmarks);
   const auto num_chunks = static_cast<std::size_t>(layout_.num_chunks());
-  chunk_cameras_.assign(num_chunks, std::vector<CameraSums>(layout_.num_cameras));
+  for (int g = 0; g < layout_.num_chunks(); ++g) {
+    const auto [first, last] = layout_.camera_range(g);
+    chunk_first_camera_.push_back(first);
+    chunk_cameras_.emplace_back(last - first);
+  }
   camera_sums_.resize(layout_.num_cameras);
-  chunk_costs_.resize(num_chunks);
+  chunk_states_.resize(num_chunks);
   chunk_trials_.resize(num_chunks);
   chunk_scratch_.assign(num_chunks, std::vector<double>(2 * layout_.max_track_length()));
   chunk_rows_.assign(num_chunks, std::vector<CameraRows>(layout_.max_window()));
@@ -62,71 +75,73 @@ int ReprojectionProblem::num_effective_parameters() const {
 
 LmState ReprojectionProblem::linearize() {
   ++num_linearizations_;
-  LmState state;
-  state.cost = linearize_landmarks();
-  sum_cameras();
-  prepare_cameras();
+  LmState state = linearize_chunks();
+  state.gradient_max_norm = larger(state.gradient_max_norm, sum_cameras());
   if (!has_scales_) set_scales();
-  state.gradient_max_norm = gradient_max_norm();
   return state;
 }
 
-double ReprojectionProblem::linearize_landmarks() {
-  pool_.run(layout_.num_chunks(), [&](int g) {
-    std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
-    chunk_costs_[g] =
-        native::linearize(observations(), layout_.chunk_windows[g], layout_.chunk_windows[g + 1],
-                          cameras_.packets(), X_.data(), loss(), J_.data(), landmark_blocks_.data(),
-                          chunk_cameras_[g].data(), chunk_rows_[g].data());
-  });
-  double cost = 0.0;
-  for (const double chunk : chunk_costs_) cost += chunk;
-  return cost;
-}
-
-// Chunk after chunk, each number in one fixed order.
-void ReprojectionProblem::sum_cameras() {
-  camera_sums_ = chunk_cameras_[0];
-  for (std::size_t g = 1; g < chunk_cameras_.size(); ++g) {
-    for (std::size_t i = 0; i < camera_sums_.size(); ++i) {
-      for (int k = 0; k < kBlock; ++k)
-        camera_sums_[i].U.values[k] += chunk_cameras_[g][i].U.values[k];
-      for (int k = 0; k < kRow; ++k) camera_sums_[i].g[k] += chunk_cameras_[g][i].g[k];
-    }
+LmState ReprojectionProblem::linearize_chunks() {
+  pool_.run(layout_.num_chunks(), [&](int g) { linearize_chunk(g); });
+  LmState state{0.0, 0.0};
+  for (const LmState& chunk : chunk_states_) {
+    state.cost += chunk.cost;
+    state.gradient_max_norm = larger(state.gradient_max_norm, chunk.gradient_max_norm);
   }
+  return state;
 }
 
-// Gradient Bᵀg and diagonal of BᵀUB: what the loop and the damping see, in the user's tangent.
-void ReprojectionProblem::prepare_cameras() {
-  double folded[9 * kRow];
-  for (int i = 0; i < cameras_.num_cameras(); ++i) {
-    const int size = cameras_.size(i);
-    const double* B = cameras_.map(i).values;
-    fold_block(camera_sums_[i].U, cameras_.map(i), cameras_.map(i), size, size, folded, kRow);
-    for (int a = 0; a < size; ++a) {
-      double gradient = 0.0;
-      for (int m = 0; m < 9; ++m) gradient += B[m * kRow + a] * camera_sums_[i].g[m];
-      camera_gradient_[cameras_.offset(i) + a] = gradient;
-      camera_diagonal_[cameras_.offset(i) + a] = std::max(0.0, folded[a * kRow + a]);
-    }
-  }
-}
-
-// NaN when any of it is not finite: std::max would step over a NaN.
-double ReprojectionProblem::gradient_max_norm() const {
-  double largest = 0.0;
-  double sum = 0.0;
-  const auto visit = [&](double g) {
-    largest = std::max(largest, std::abs(g));
-    sum += std::abs(g);
-  };
-  for (const double g : camera_gradient_) visit(g);
-  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
+void ReprojectionProblem::linearize_chunk(int g) {
+  LmState& state = chunk_states_[g];
+  std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
+  state.cost = native::linearize(
+      layout_.observations(), layout_.chunk_windows[g], layout_.chunk_windows[g + 1],
+      cameras_.packets(), X_.data(), loss(), J_.data(), landmark_blocks_.data(),
+      chunk_cameras_[g].data(), chunk_first_camera_[g], chunk_rows_[g].data());
+  state.gradient_max_norm = 0.0;
+  for (std::int64_t j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
     for (int k = 0; k < 3; ++k) {
-      if (!is_held(j, k)) visit(landmark_blocks_[j].g[k]);
+      if (is_held(j, k)) continue;
+      state.gradient_max_norm = larger(state.gradient_max_norm, landmark_blocks_[j].g[k]);
     }
   }
-  return std::isfinite(sum) ? largest : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Adds up the chunks; max |gradient| of the cameras.
+double ReprojectionProblem::sum_cameras() {
+  const int num_cameras = cameras_.num_cameras();
+  const int num_parts = (num_cameras + kCamerasPerTask - 1) / kCamerasPerTask;
+  pool_.run(num_parts, [&](int part) {
+    const int end = std::min(num_cameras, (part + 1) * kCamerasPerTask);
+    for (int i = part * kCamerasPerTask; i < end; ++i) sum_camera(i);
+  });
+  double largest = 0.0;
+  for (const double g : camera_gradient_) largest = larger(largest, g);
+  return largest;
+}
+
+// Chunk after chunk, each number in one fixed order. Then gradient Bᵀg and diagonal of BᵀUB: what
+// the loop and the damping see, in the user's tangent.
+void ReprojectionProblem::sum_camera(int i) {
+  CameraSums& sums = camera_sums_[i];
+  sums = {};
+  for (std::size_t g = 0; g < chunk_cameras_.size(); ++g) {
+    const std::int64_t place = i - chunk_first_camera_[g];
+    if (place < 0 || place >= static_cast<std::int64_t>(chunk_cameras_[g].size())) continue;
+    const CameraSums& chunk = chunk_cameras_[g][place];
+    for (int k = 0; k < kBlock; ++k) sums.U.values[k] += chunk.U.values[k];
+    for (int k = 0; k < kRow; ++k) sums.g[k] += chunk.g[k];
+  }
+  const int size = cameras_.size(i);
+  const double* B = cameras_.map(i).values;
+  double folded[9 * kRow];
+  fold_block(sums.U, cameras_.map(i), cameras_.map(i), size, size, folded, kRow);
+  for (int a = 0; a < size; ++a) {
+    double gradient = 0.0;
+    for (int m = 0; m < 9; ++m) gradient += B[m * kRow + a] * sums.g[m];
+    camera_gradient_[cameras_.offset(i) + a] = gradient;
+    camera_diagonal_[cameras_.offset(i) + a] = std::max(0.0, folded[a * kRow + a]);
+  }
 }
 
 void ReprojectionProblem::set_scales() {
@@ -171,16 +186,14 @@ LandmarkFactor ReprojectionProblem::factor_landmark(std::int64_t landmark, doubl
   const double yy = hy ? 1.0 : damped(H[3], 1);
   const double yz = hy || hz ? 0.0 : H[4];
   const double zz = hz ? 1.0 : damped(H[5], 2);
-  const double l_xx = std::sqrt(xx);
-  const double l_yx = xy / l_xx;
-  const double l_zx = xz / l_xx;
-  const double l_yy = std::sqrt(yy - l_yx * l_yx);
-  const double l_zy = (yz - l_zx * l_yx) / l_yy;
-  const double l_zz = std::sqrt(zz - l_zx * l_zx - l_zy * l_zy);
-  if (!(l_xx > 0.0 && l_yy > 0.0 && l_zz > 0.0)) return {};  // the landmark stays this time
-  const double w_x = 1.0 / l_xx;
-  const double w_y = 1.0 / l_yy;
-  const double w_z = 1.0 / l_zz;
+  const double w_x = 1.0 / std::sqrt(xx);
+  const double l_yx = xy * w_x;
+  const double l_zx = xz * w_x;
+  const double w_y = 1.0 / std::sqrt(yy - l_yx * l_yx);
+  const double l_zy = (yz - l_zx * l_yx) * w_y;
+  const double w_z = 1.0 / std::sqrt(zz - l_zx * l_zx - l_zy * l_zy);
+  // NaN and ∞ where a pivot is not positive: the landmark stays this time
+  if (!(std::isfinite(w_x) && std::isfinite(w_y) && std::isfinite(w_z))) return {};
   const double w_yz = -l_zy * w_y * w_z;
   return {{hx ? 0.0 : w_x, -l_yx * w_x * w_y, -(l_zx * w_z + l_yx * w_yz) * w_x, hy ? 0.0 : w_y,
            w_yz, hz ? 0.0 : w_z}};

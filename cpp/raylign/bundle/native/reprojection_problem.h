@@ -55,10 +55,10 @@ class ReprojectionProblem {
   }
   bool is_held(std::int64_t landmark, int k) const { return !held_.empty() && held_[landmark][k]; }
 
-  double linearize_landmarks();
-  void sum_cameras();
-  void prepare_cameras();
-  double gradient_max_norm() const;
+  LmState linearize_chunks();
+  void linearize_chunk(int chunk);
+  double sum_cameras();
+  void sum_camera(int i);
   void set_scales();
   void set_damping(double lambda);
   LandmarkFactor factor_landmark(std::int64_t landmark, double lambda) const;
@@ -75,10 +75,12 @@ class ReprojectionProblem {
   std::vector<ObservationJacobian> J_;
   std::vector<LandmarkBlock> landmark_blocks_;
   std::vector<LandmarkFactor> landmark_factors_;
-  std::vector<double> landmark_scales_;                 // (L, 3)
-  std::vector<std::vector<CameraSums>> chunk_cameras_;  // (G, C)
+  std::vector<double> landmark_scales_;  // (L, 3)
+  // Of each chunk, for the cameras that it touches; the first of them; cost and gradient.
+  std::vector<std::vector<CameraSums>> chunk_cameras_;
+  std::vector<std::int32_t> chunk_first_camera_;
+  std::vector<LmState> chunk_states_;
   std::vector<CameraSums> camera_sums_;
-  std::vector<double> chunk_costs_;
   std::vector<TrialSums> chunk_trials_;
   std::vector<std::vector<double>> chunk_scratch_;
   std::vector<std::vector<CameraRows>> chunk_rows_;

@@ -37,6 +37,7 @@ class SchurSystem {
   void form(const DampedProblem& problem);
 
   const SchurPattern& pattern() const { return pattern_; }
+  const ProductPlan& plan() const { return plan_; }
   const std::vector<Block>& blocks() const { return blocks_; }  ///< of pattern(), user's tangent
   const std::vector<double>& rhs() const { return rhs_; }       ///< b, (C, kRow)
   const CameraBlocks& cameras() const { return context_.cameras; }

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "raylign/base/thread_pool.h"
+
+namespace raylign::native {
+
+/// Replaces the lower triangle of the symmetric A (n, n), column-major, by its Cholesky factor L;
+/// what stands above the diagonal is not read and may be overwritten. False when A is not positive
+/// definite or not finite; A is spoilt then. LAPACK below kMinBlocked columns; from there on
+/// right-looking by panels, whose updates the threads share. The cut depends on n alone and every
+/// number is computed in one call, so the bits do not depend on the number of threads. BLAS must
+/// run on one thread (ScopedSingleThreadedBlas).
+bool factor_cholesky(double* A, int n, ThreadPool& pool);
+
+inline constexpr int kMinBlocked = 900;
+
+}  // namespace raylign::native
