@@ -13,6 +13,7 @@
 #include "raylign/base/blas_threads.h"
 #include "raylign/base/stopwatch.h"
 #include "raylign/bundle/native/reprojection_problem.h"
+#include "raylign/bundle/native/schur_system.h"
 #include "raylign/io/bal.h"
 #include "raylign/parametrization/constants.h"
 
@@ -66,6 +67,8 @@ class Stages {
         held_(resolve_constants(problem, {})),
         native_(problem, held_, options_),
         layout_(native_.layout()),
+        system_({layout_, native_.cameras(), native_.pool()},
+                SchurPattern(layout_, moving_cameras(native_.cameras()))),
         n_(static_cast<double>(layout_.num_observations())),
         landmarks_(static_cast<double>(layout_.num_landmarks()) / n_) {
     preprocess_s_ =
@@ -73,8 +76,8 @@ class Stages {
   }
 
   void print() {
-    const SchurPattern& pattern = native_.schur().pattern();
-    const ProductPlan& plan = native_.schur().plan();
+    const SchurPattern& pattern = system_.pattern();
+    const ProductPlan& plan = system_.plan();
     const double products = static_cast<double>(pattern.num_pairs) / n_;
     const double visits = static_cast<double>(plan.visits.size()) / n_;
     const double blocks = static_cast<double>(pattern.num_blocks()) / n_;
@@ -90,16 +93,19 @@ class Stages {
     const double linearize_s = best([&] { native_.linearize(); });
     row("linearize", linearize_s, 24 + 96 + landmarks_ * (24 + 72), 150 + 4 * (81 + 9));
     // A, I, camera and product list; W, g, X; each visited block read and written
-    const double form_s = best([&] { native_.form_schur(kLambda); });
+    const double damp_s = best([&] { native_.damped(kLambda); });
+    row("damp", damp_s, landmarks_ * (48 + 24 + 48), landmarks_ * 40);
+    const DampedProblem damped = native_.damped(kLambda);
+    const double form_s = best([&] { system_.form(damped); });
     row("form_schur", form_s,
         100 + 4 * products + visits * (12 + 2 * sizeof(Block)) + landmarks_ * (48 + 24 + 24 + 8),
         80 + 486 * products + blocks * 4 * 729);
-    const double solve_s = best([&] { native_.solve(kLambda); }) - form_s;
+    const double solve_s = best([&] { native_.solve(kLambda); }) - form_s - damp_s;
     row("factor_and_solve", solve_s, columns * columns * 4 / n_,
         columns * columns * columns / 3 / n_);
     const double try_s = best([&] { native_.try_step(); });
     row("try_step", try_s, 96 + 20 + landmarks_ * (24 + 72 + 48 + 24), 130);
-    row("iteration", linearize_s + form_s + solve_s + try_s, 0, 0);
+    row("iteration", linearize_s + damp_s + form_s + solve_s + try_s, 0, 0);
     std::printf("{\"stage\": \"products\", \"ns_per_product\": %.2f}\n",
                 1e9 * form_s / n_ / products);
   }
@@ -134,6 +140,7 @@ class Stages {
   Constants held_;
   ReprojectionProblem native_;
   const Layout& layout_;
+  SchurSystem system_;
   double n_;
   double landmarks_;  // per observation
   double preprocess_s_ = 0.0;

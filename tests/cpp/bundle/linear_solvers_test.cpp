@@ -134,7 +134,7 @@ TEST_P(LinearSolvers, DiagonalPatternHasTheDiagonalBlocksAndRightHandSideOfS) {
 TEST_P(LinearSolvers, FactorsSolve) {
   const std::vector<double> b = problem_.random_rows();
   const Eigen::VectorXd expected = problem_.S.llt().solve(problem_.packed(b));
-  DenseCholesky dense(problem_.cameras());
+  DenseCholesky dense(problem_.cameras(), problem_.context().pool);
   std::unique_ptr<SchurFactor> sparse;
   if (has_sparse_cholesky()) {
     const SchurPattern& pattern = problem_.system.pattern();
@@ -160,7 +160,8 @@ TEST_P(LinearSolvers, EveryPreconditionerIsSymmetricPositiveDefiniteAndLeadsToTh
   preconditioners.push_back(
       std::make_unique<TwoLevel>(problem_.context(), problem_.system.pattern()));
   preconditioners.push_back(std::make_unique<StaleFactor>(
-      problem_.cameras(), std::make_unique<DenseCholesky>(problem_.cameras())));
+      problem_.cameras(),
+      std::make_unique<DenseCholesky>(problem_.cameras(), problem_.context().pool)));
   // the factor is one of another damping
   SchurSystem earlier(problem_.context(), problem_.whole_pattern());
   earlier.form(problem_.native.damped(1e-3));

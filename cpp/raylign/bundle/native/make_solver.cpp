@@ -26,8 +26,8 @@ std::unique_ptr<SchurPreconditioner> make_preconditioner(Preconditioner kind,
     case Preconditioner::TWO_LEVEL:
       return std::make_unique<TwoLevel>(context, pattern);
     case Preconditioner::STALE_FACTOR:
-      return std::make_unique<StaleFactor>(context.cameras,
-                                           std::make_unique<DenseCholesky>(context.cameras, context.pool));
+      return std::make_unique<StaleFactor>(
+          context.cameras, std::make_unique<DenseCholesky>(context.cameras, context.pool));
     default:
       return std::make_unique<BlockJacobi>(context.cameras, kind);
   }
