@@ -11,6 +11,9 @@ ROOT = Path(__file__).resolve().parents[2]
 SHARED = Path(os.environ.get("RAYLIGN_DATA", ROOT.parent / "shared" / "data"))
 CACHE = Path(os.environ.get("RAYLIGN_BENCH_CACHE", ROOT / "benchmarks" / ".cache"))
 SEED = 5
+# From the default 0.5 degrees some paths through the 250-camera street leave a point behind a
+# camera: another local minimum, and no common final cost to compare times to.
+ROTATION_NOISE_DEG = 0.1
 
 # cameras, points, observations of a street and of an orbit: three decades of observations. A short
 # street does not see its points more often.
@@ -41,7 +44,7 @@ def synthetic_spec(kind: str, cameras: int, points: int, observations: int) -> S
     """Named as BAL names its files: street-250-65000."""
     name = f"{kind}-{cameras}-{points}"
     if observations <= SMALL:
-        return Spec(name, observations, 100, 1e-9, 60.0)
+        return Spec(name, observations, 100, 1e-8, 60.0)
     return Spec(name, observations, 50, 1e-8, 60.0 if observations < 1_000_000 else 170.0)
 
 
@@ -53,9 +56,9 @@ SYNTHETIC = {
     for spec in [synthetic_spec(kind, cameras, points, observations)]
 }
 REAL = {
-    "ladybug-49": ("49-7776", Spec("ladybug-49", 31843, 100, 1e-9, 60.0)),
-    "ladybug-49-front": ("49-7776", Spec("ladybug-49-front", 31812, 100, 1e-9, 60.0)),
-    "trafalgar-21": ("21-11315", Spec("trafalgar-21", 36455, 100, 1e-9, 60.0)),
+    "ladybug-49": ("49-7776", Spec("ladybug-49", 31843, 100, 1e-8, 60.0)),
+    "ladybug-49-front": ("49-7776", Spec("ladybug-49-front", 31812, 100, 1e-8, 60.0)),
+    "trafalgar-21": ("21-11315", Spec("trafalgar-21", 36455, 100, 1e-8, 60.0)),
 }
 DEFAULT = (
     "ladybug-49-front",
@@ -104,6 +107,7 @@ def write_synthetic(path: Path, kind: str, size: tuple[int, int, int]) -> None:
         num_points=points,
         num_observations=observations,
         seed=SEED,
+        rotation_noise_deg=ROTATION_NOISE_DEG,
     )
     raylign.synthetic.write_bal(path, options=options)
 
