@@ -7,12 +7,14 @@ replaced by the table NAME; prose around it is written by hand.
 """
 
 import argparse
+import functools
 import json
 import re
+import statistics
 from collections.abc import Callable
 from pathlib import Path
 
-from harness import plots, series, tables
+from harness import micro, plots, series, tables
 from harness.problems import ROOT
 
 DOCUMENT = ROOT / "docs" / "benchmarks.md"
@@ -82,6 +84,60 @@ def growth_table(held: list[dict]) -> str:
     return markdown(header, rows)
 
 
+def jacobians_table(groups: list[dict]) -> str:
+    """Residuals and Jacobians through Ceres, ns per observation, medians."""
+    header = [
+        "problem",
+        "Ceres autodiff",
+        "raylign `se3`",
+        "ratio",
+        "raylign `angle_axis`",
+        "ratio",
+    ]
+    columns = (("ceres_autodiff", "angle_axis"), ("raylign_ceres", "se3"))
+    columns += (("raylign_ceres", "angle_axis"),)
+    rows = []
+    for group in groups:
+        row = [group["problem"].split(".")[0]]
+        for system, pose in columns:
+            numbers = micro.values(group["rows"], system, pose, "jacobian_ns_per_observation")
+            row.append(f"{statistics.median(numbers):.0f}")
+            if system == "raylign_ceres":
+                row.append(f"{group['ratios'][pose]:.2f}")
+        rows.append(row)
+    return markdown(header, rows)
+
+
+def reading_table(rows: list[dict]) -> str:
+    header = ["problem", "MB of text", "read, MB/s", "write, MB/s"]
+    return markdown(
+        header,
+        [
+            [row["problem"].split(".")[0], f"{row['megabytes']:.1f}"]
+            + [f"{row['megabytes_per_s'][way]:.0f}" for way in ("read", "write")]
+            for row in rows
+        ],
+    )
+
+
+def reference_table(loops: dict) -> str:
+    header = ["loop", "1 thread", "2 threads", "gain"]
+    memory, arithmetic = loops["triad_gb_per_s"], loops["multiply_add_gflop_per_s"]
+    rows = [
+        ["triad `a = b + s c`, 0.8 GB", *(f"{v:.1f} GB/s" for v in memory)],
+        ["multiply-add in registers", *(f"{v:.0f} GFLOP/s" for v in arithmetic)],
+    ]
+    gains = (loops["triad_scaling"], loops["multiply_add_scaling"])
+    return markdown(header, [[*r, f"{g:.2f}x"] for r, g in zip(rows, gains, strict=True)])
+
+
+def import_line(seconds: dict) -> str:
+    return (
+        f"`import raylign`: {seconds['raylign']:.2f} s in a fresh interpreter (median of 5, warm), "
+        f"of which NumPy {seconds['numpy'] - seconds['python']:.2f} s."
+    )
+
+
 def machine_line(machine: dict) -> str:
     return (
         f"{machine['cpu']}, {machine['num_cpus']} CPUs, {machine['memory_gib']} GiB, "
@@ -101,8 +157,16 @@ def blocks(data: dict) -> dict[str, Callable[[], str]]:
         "native": lambda: native_table(held),
         "growth": lambda: growth_table(held),
     }
+    for name, writer in {
+        "jacobians": jacobians_table,
+        "reading": reading_table,
+        "reference_loops": reference_table,
+        "import": import_line,
+    }.items():
+        if name in results:
+            made[name] = functools.partial(writer, results[name])
     for contest in held:
-        made[f"contest:{contest['problem']}"] = lambda c=contest: tables.markdown_table(c)
+        made[f"contest:{contest['problem']}"] = functools.partial(tables.markdown_table, contest)
     return made
 
 

@@ -11,7 +11,7 @@ from harness import series
 
 COLORS = {
     "native": "#b5179e",
-    "analytic": "#4361ee",
+    "analytic": "#1d3557",
     "autodiff": "#4895ef",
     "pycolmap": "#f3722c",
     "gtsam": "#6a994e",
@@ -69,7 +69,7 @@ def growth(held: list[dict]) -> plt.Figure:
     """Seconds per iteration of the native engine, and the power of the size they grow with."""
     figure, panel = plt.subplots(figsize=(5.6, 3.8), layout="constrained")
     for kind, marker in zip(KINDS, "os", strict=True):
-        for threads, color in ((1, COLORS["native"]), (2, COLORS["analytic"])):
+        for threads, color in ((1, COLORS["native"]), (2, "#f3722c")):
             pairs = series.seconds_per_iteration(held, kind, threads)
             if len(pairs) < 2:
                 continue
