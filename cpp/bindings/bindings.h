@@ -20,6 +20,7 @@ void bind_io(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_render(pybind11::module_& m);
 void bind_tracking(pybind11::module_& m);
+void bind_odometry(pybind11::module_& m);
 void bind_bundle(pybind11::module_& m);
 
 }  // namespace raylign::python

@@ -19,5 +19,6 @@ PYBIND11_MODULE(_core, m) {
   rp::bind_synthetic(m);
   rp::bind_render(m);
   rp::bind_tracking(m);
+  rp::bind_odometry(m);
   rp::bind_bundle(m);
 }

@@ -1609,6 +1609,139 @@ class Aligner:
         maps: bool,
     ) -> AlignmentResult: ...
 
+class KeyframeRule:
+    __fields__: ClassVar[tuple[str, ...]]
+    distance_weight: float
+    usage_weight: float
+    min_good_ratio: float
+    def __init__(
+        self,
+        *,
+        distance_weight: float = ...,
+        usage_weight: float = ...,
+        min_good_ratio: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        distance_weight: float = ...,
+        usage_weight: float = ...,
+        min_good_ratio: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class MotionModelOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    constant_velocity: bool
+    search_rotation: float
+    max_frame_translation: float
+    max_frame_rotation: float
+    def __init__(
+        self,
+        *,
+        constant_velocity: bool = ...,
+        search_rotation: float = ...,
+        max_frame_translation: float = ...,
+        max_frame_rotation: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        constant_velocity: bool = ...,
+        search_rotation: float = ...,
+        max_frame_translation: float = ...,
+        max_frame_rotation: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class OdometryOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    tracking: TrackingOptions
+    keyframe: KeyframeOptions
+    keyframe_rule: KeyframeRule
+    motion: MotionModelOptions
+    depth_model: DepthModel
+    depth_scale: float
+    num_recovery_keyframes: int
+    def __init__(
+        self,
+        *,
+        tracking: TrackingOptions = ...,
+        keyframe: KeyframeOptions = ...,
+        keyframe_rule: KeyframeRule = ...,
+        motion: MotionModelOptions = ...,
+        depth_model: DepthModel = ...,
+        depth_scale: float = ...,
+        num_recovery_keyframes: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        tracking: TrackingOptions = ...,
+        keyframe: KeyframeOptions = ...,
+        keyframe_rule: KeyframeRule = ...,
+        motion: MotionModelOptions = ...,
+        depth_model: DepthModel = ...,
+        depth_scale: float = ...,
+        num_recovery_keyframes: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class OdometryStatus(enum.Enum):
+    OK = 0
+    RECOVERED = 1
+    LOST = 2
+    NO_DEPTH = 3
+
+class OdometryResult:
+    @property
+    def frame(self) -> int: ...
+    @property
+    def timestamp(self) -> float: ...
+    @property
+    def status(self) -> OdometryStatus: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def T_wc(self) -> NDArray[np.float64]: ...
+    @property
+    def keyframe(self) -> int: ...
+    @property
+    def is_keyframe(self) -> bool: ...
+    @property
+    def num_alignments(self) -> int: ...
+    @property
+    def alignment(self) -> AlignmentResult: ...
+
+class RgbdOdometry:
+    @property
+    def options(self) -> OdometryOptions: ...
+    def __init__(
+        self, camera: PinholeCamera, *, options: OdometryOptions, T_wc: object
+    ) -> None: ...
+    def track(self, image: object, depth: object, *, timestamp: float) -> OdometryResult: ...
+
 class Linearization:
     @property
     def cost(self) -> float: ...

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from raylign import __version__
-from raylign.cli import bundle, convert, demo, download, evaluate, info, synthetic
+from raylign.cli import bundle, convert, demo, download, evaluate, info, synthetic, track
 from raylign.cli._errors import PlainCommand, ReportingGroup
 
 __all__ = ["app", "main"]
@@ -25,6 +25,7 @@ app.command("demo", cls=PlainCommand)(demo.demo)
 app.command("download", cls=PlainCommand)(download.download)
 app.command("evaluate", cls=PlainCommand)(evaluate.evaluate)
 app.command("info", cls=PlainCommand)(info.info)
+app.command("track", cls=PlainCommand)(track.track)
 app.add_typer(synthetic.app, name="synthetic")
 
 

@@ -5,13 +5,20 @@ from raylign.viz.point_cloud import plot_point_cloud
 from raylign.viz.report import bundle_report
 from raylign.viz.residuals import plot_residuals
 from raylign.viz.sparsity import plot_sparsity
+from raylign.viz.track_report import track_report
+from raylign.viz.tracking import plot_alignment, plot_normalised_residuals, plot_path, plot_run
 from raylign.viz.trajectory import plot_trajectory
 
 __all__ = [
     "bundle_report",
+    "plot_alignment",
     "plot_cost",
+    "plot_normalised_residuals",
+    "plot_path",
     "plot_point_cloud",
     "plot_residuals",
+    "plot_run",
     "plot_sparsity",
     "plot_trajectory",
+    "track_report",
 ]

@@ -1,8 +1,6 @@
 """A folder that shows one bundle adjustment: pictures, numbers, and a page that joins them."""
 
-import html
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,38 +12,31 @@ from raylign.robust import LossType
 from raylign.scene import BalProblem, ProblemStatistics
 from raylign.viz import style
 from raylign.viz.cost import plot_cost
+from raylign.viz.page import Picture, html_page, markdown_page
 from raylign.viz.point_cloud import plot_point_cloud
 from raylign.viz.residuals import plot_residuals
 from raylign.viz.sparsity import plot_sparsity
 
-
-@dataclass(frozen=True)
-class _Picture:
-    file: str
-    title: str
-    caption: str
-
-
 _PICTURES = (
-    _Picture(
+    Picture(
         "point_cloud.png",
         "Reconstruction",
         "Points, cameras and viewing directions from above and from the side; same axes before and "
         "after, limits by percentiles.",
     ),
-    _Picture(
+    Picture(
         "cost.png",
         "Cost",
         "Cost of the held state against wall time and iterations, with rejected and invalid steps; "
         "gradient, step and damping.",
     ),
-    _Picture(
+    Picture(
         "residuals.png",
         "Residuals",
         "Norms of all residuals and RMSE of each camera, before and after; with a robust loss also "
         "the median of each camera, which outliers do not move.",
     ),
-    _Picture(
+    Picture(
         "sparsity.png",
         "Sparsity",
         "Blocks of the Jacobian J, of H = JᵀJ, and of the reduced camera matrix S that is left "
@@ -110,8 +101,8 @@ def bundle_report(
     rows = _headline(before, after, summary, statistics)
     pages = {
         "summary.json": json.dumps(jsonable(record), indent=2, allow_nan=False) + "\n",
-        "index.html": _html_page(title, rows),
-        "index.md": _markdown_page(title, rows),
+        "index.html": html_page(title, rows, _PICTURES),
+        "index.md": markdown_page(title, rows, _PICTURES),
     }
     for name, text in pages.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -154,44 +145,3 @@ def _headline(
         ("backend", f"{summary.backend}, {summary.num_threads} thread(s)"),
         ("time", f"{summary.total_time_s:.3f} s"),
     ]
-
-
-_CSS = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #1f2937; max-width: 1180px; margin: 2rem auto;
-       padding: 0 1rem; }
-table { border-collapse: collapse; margin: 1rem 0; }
-td { padding: .25rem 1rem .25rem 0; border-bottom: 1px solid #e5e7eb; vertical-align: top; }
-td:first-child { color: #6b7280; white-space: nowrap; }
-img { max-width: 100%; border: 1px solid #e5e7eb; }
-figcaption { color: #6b7280; } figure { margin: 0 0 2rem 0; }
-"""
-
-
-def _html_page(title: str, rows: list[tuple[str, str]]) -> str:
-    cells = "\n".join(
-        f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
-        for name, value in rows
-    )
-    pictures = "\n".join(
-        f"<h2>{html.escape(p.title)}</h2>\n"
-        f'<figure><img src="{p.file}" alt="{html.escape(p.title)}">'
-        f"<figcaption>{html.escape(p.caption)}</figcaption></figure>"
-        for p in _PICTURES
-    )
-    return (
-        f'<!doctype html>\n<html lang="en">\n<head><meta charset="utf-8">'
-        f"<title>{html.escape(title)}</title><style>{_CSS}</style></head>\n<body>\n"
-        f"<h1>{html.escape(title)}</h1>\n<table>\n{cells}\n</table>\n{pictures}\n"
-        f'<p>All numbers: <a href="summary.json">summary.json</a></p>\n</body>\n</html>\n'
-    )
-
-
-def _markdown_page(title: str, rows: list[tuple[str, str]]) -> str:
-    table = "\n".join(f"| {name} | {value.replace('|', chr(92) + '|')} |" for name, value in rows)
-    pictures = "\n\n".join(
-        f"## {p.title}\n\n![{p.title}]({p.file})\n\n{p.caption}" for p in _PICTURES
-    )
-    return (
-        f"# {title}\n\n| | |\n| --- | --- |\n{table}\n\n{pictures}\n\n"
-        "All numbers: [summary.json](summary.json)\n"
-    )

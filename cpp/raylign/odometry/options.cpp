@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/odometry/options.h"
+
+#include <cmath>
+
+#include "raylign/base/error.h"
+
+namespace raylign {
+
+void KeyframeRule::validate() const {
+  require_option(distance_weight >= 0 && std::isfinite(distance_weight),
+                 "KeyframeRule.distance_weight", "finite and >= 0", distance_weight);
+  require_option(usage_weight >= 0 && std::isfinite(usage_weight), "KeyframeRule.usage_weight",
+                 "finite and >= 0", usage_weight);
+  require_option(min_good_ratio >= 0 && min_good_ratio <= 1, "KeyframeRule.min_good_ratio",
+                 "in [0, 1]", min_good_ratio);
+}
+
+void MotionModelOptions::validate() const {
+  require_option(search_rotation >= 0 && search_rotation < 1, "MotionModelOptions.search_rotation",
+                 "in [0, 1) (rad)", search_rotation);
+  require_option(max_frame_translation > 0, "MotionModelOptions.max_frame_translation", "> 0",
+                 max_frame_translation);
+  require_option(max_frame_rotation > 0, "MotionModelOptions.max_frame_rotation", "> 0 (rad)",
+                 max_frame_rotation);
+}
+
+void OdometryOptions::validate() const {
+  tracking.validate();
+  if (tracking.motion == MotionGroup::SIM3) {
+    throw OptionsError("OdometryOptions.tracking.motion must be SE3 or SO3: depth has a scale");
+  }
+  keyframe.validate();
+  keyframe_rule.validate();
+  motion.validate();
+  depth_model.validate();
+  require_option(depth_scale > 0 && std::isfinite(depth_scale), "OdometryOptions.depth_scale",
+                 "finite and > 0 (units per m)", depth_scale);
+  require_option(num_recovery_keyframes >= 1, "OdometryOptions.num_recovery_keyframes", ">= 1",
+                 num_recovery_keyframes);
+}
+
+}  // namespace raylign

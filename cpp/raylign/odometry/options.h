@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "raylign/depth/depth_model.h"
+#include "raylign/tracking/options.h"
+
+namespace raylign {
+
+/// When a tracked frame becomes the next keyframe: (distance_weight ‖t‖ D̄)² + (usage_weight (1 −
+/// usage))² > 1, with t the translation from the keyframe, D̄ its mean inverse depth and usage the
+/// share of its points in view (LSD-SLAM's program), or when the images agree no more.
+struct KeyframeRule {
+  double distance_weight = 4.0;  ///< >= 0
+  double usage_weight = 3.0;     ///< >= 0
+  double min_good_ratio = 0.8;   ///< of the points in view; below it a new keyframe; in [0, 1]
+
+  void validate() const;
+};
+
+/// Where the search for a frame's pose begins, and when a pose is not believed.
+struct MotionModelOptions {
+  bool constant_velocity = true;  ///< false: begin at the last pose
+  /// Starts tried when the first does not lead to an OK alignment: the last pose, and rotations by
+  /// this much (rad) about each axis, each way; 0: none.
+  double search_rotation = 0.06;
+  /// Between two frames, by more than a step of the pose that is not believed: translation as a
+  /// share of the mean depth, and rotation (rad); > 0.
+  double max_frame_translation = 0.3;
+  double max_frame_rotation = 0.5;
+
+  void validate() const;
+};
+
+struct OdometryOptions {
+  TrackingOptions tracking;
+  KeyframeOptions keyframe;
+  KeyframeRule keyframe_rule;
+  MotionModelOptions motion;
+  DepthModel depth_model;
+  double depth_scale = 1000.0;      ///< units per m of uint16 depth images, > 0
+  int num_recovery_keyframes = 10;  ///< a lost frame is compared with as many, newest first; >= 1
+
+  /// Throws OptionsError naming the field, the rule and the value.
+  void validate() const;
+};
+
+}  // namespace raylign

@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/odometry/rgbd_odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "raylign/base/error.h"
+#include "raylign/geometry/quaternion.h"
+#include "raylign/geometry/se3.h"
+
+namespace raylign {
+namespace {
+
+// Starts that are followed down to the finest level after all were tried on the coarsest.
+constexpr std::size_t kFinalists = 2;
+
+TrackingOptions on_coarsest_level(TrackingOptions options) {
+  options.finest_level = options.coarsest_level;
+  return options;
+}
+
+// Products of many rotations leave SO(3) bit by bit.
+Matrix4 without_drift(const Matrix4& T) {
+  Matrix4 result = T;
+  result.topLeftCorner<3, 3>() =
+      quaternion_to_matrix(quaternion_from_matrix(T.topLeftCorner<3, 3>()));
+  return result;
+}
+
+}  // namespace
+
+std::string to_string(OdometryStatus status) {
+  switch (status) {
+    case OdometryStatus::OK:
+      return "ok";
+    case OdometryStatus::RECOVERED:
+      return "recovered";
+    case OdometryStatus::LOST:
+      return "lost";
+    case OdometryStatus::NO_DEPTH:
+      break;
+  }
+  return "no_depth";
+}
+
+RgbdOdometry::RgbdOdometry(const PinholeCamera& camera,
+                           const OdometryOptions& options,
+                           const Matrix4& T_wc)
+    : camera_(camera),
+      options_((options.validate(), options)),
+      T_cw_first_(se3_inverse(T_wc)),
+      motion_(options.motion),
+      converter_(options.depth_model),
+      aligner_(options.tracking),
+      coarse_aligner_(on_coarsest_level(options.tracking)) {
+  camera.validate();
+}
+
+OdometryResult RgbdOdometry::track(const ImageView& image,
+                                   const ImageView& depth,
+                                   double timestamp) {
+  check_input(image, depth, timestamp);
+  const std::shared_ptr<Frame> frame = make_frame(image, depth);
+  last_timestamp_ = timestamp;
+  OdometryResult result;
+  result.frame = num_frames_++;
+  result.timestamp = timestamp;
+  const bool is_tracked = keyframes_.empty() ? start(frame, result)
+                          : is_lost_         ? recover(*frame, result)
+                                             : follow(*frame, result);
+  if (is_tracked) {
+    finish(frame, result);
+  } else {
+    result.status = keyframes_.empty() ? OdometryStatus::NO_DEPTH : OdometryStatus::LOST;
+    result.T_wc.setConstant(std::numeric_limits<double>::quiet_NaN());
+    is_lost_ = !keyframes_.empty();
+  }
+  return result;
+}
+
+void RgbdOdometry::check_input(const ImageView& image, const ImageView& depth, double timestamp) {
+  require_option(std::isfinite(timestamp) && (num_frames_ == 0 || timestamp > last_timestamp_),
+                 "timestamp", "finite and larger than the one before (s)", timestamp);
+  if (num_frames_ == 0) {
+    width_ = image.width;
+    height_ = image.height;
+  }
+  const auto require_size = [&](const ImageView& view, const char* name) {
+    if (view.width == width_ && view.height == height_) return;
+    throw ShapeError(std::string(name) + " must have the size of the first image, (" +
+                     std::to_string(height_) + ", " + std::to_string(width_) + "), got (" +
+                     std::to_string(view.height) + ", " + std::to_string(view.width) + ")");
+  };
+  require_size(image, "image");
+  require_size(depth, "depth");
+}
+
+// A frame that nobody holds any more is filled again: in the long run nothing is allocated.
+std::shared_ptr<Frame> RgbdOdometry::make_frame(const ImageView& image, const ImageView& depth) {
+  D_.resize(depth.width, depth.height);
+  V_.resize(depth.width, depth.height);
+  converter_.convert(depth, options_.depth_scale, D_.data(), V_.data());
+  const int num_levels = options_.tracking.coarsest_level + 1;
+  const auto free = std::find_if(pool_.begin(), pool_.end(),
+                                 [](const auto& frame) { return frame.use_count() == 1; });
+  if (free == pool_.end()) {
+    pool_.push_back(std::make_shared<Frame>(image, camera_, num_levels));
+    pool_.back()->set_depth(D_.view(), V_.view());
+    return pool_.back();
+  }
+  (*free)->assign(image, camera_, num_levels);
+  (*free)->set_depth(D_.view(), V_.view());
+  return *free;
+}
+
+bool RgbdOdometry::start(const std::shared_ptr<Frame>& frame, OdometryResult& result) {
+  if (!add_keyframe(frame, T_cw_first_, result.frame)) {
+    result.reason = "too few pixels with depth and gradient to start from";
+    return false;
+  }
+  result.T_wc = se3_inverse(T_cw_first_);
+  result.keyframe = result.frame;
+  return true;
+}
+
+bool RgbdOdometry::follow(const Frame& frame, OdometryResult& result) {
+  const Matrix4 T_predicted = motion_.predict(result.timestamp);
+  const std::vector<Matrix4> alternatives = motion_.alternatives(result.timestamp);
+  if (try_start(keyframes_.back(), frame, T_predicted, result) ||
+      try_best_of(keyframes_.back(), frame, alternatives, result)) {
+    return true;
+  }
+  // The frame before is nearer than the keyframe. Should this fail, too, it is where a lost camera
+  // will most likely be found again, so it stays.
+  if (previous_number_ == keyframes_.back().frame ||
+      !add_keyframe(previous_, motion_.last(), previous_number_)) {
+    return false;
+  }
+  return try_start(keyframes_.back(), frame, T_predicted, result) ||
+         try_best_of(keyframes_.back(), frame, alternatives, result);
+}
+
+// Newest first: a lost camera is most often still near.
+bool RgbdOdometry::recover(const Frame& frame, OdometryResult& result) {
+  for (auto reference = keyframes_.rbegin(); reference != keyframes_.rend(); ++reference) {
+    MotionModel at_keyframe(options_.motion);
+    at_keyframe.update(reference->T_kw, result.timestamp, true);
+    std::vector<Matrix4> starts = at_keyframe.alternatives(result.timestamp);
+    starts.push_back(motion_.last());
+    if (try_best_of(*reference, frame, starts, result)) return true;
+  }
+  return false;
+}
+
+bool RgbdOdometry::try_start(Placed& reference,
+                             const Frame& frame,
+                             const Matrix4& T_cw,
+                             OdometryResult& result) {
+  const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b};
+  result.alignment = aligner_.align(*reference.keyframe, frame, start);
+  ++result.num_alignments;
+  AlignmentResult& alignment = result.alignment;
+  const Matrix4 T_cw_found = without_drift(alignment.T_th * reference.T_kw);
+  if (alignment.status == AlignmentStatus::OK && !is_lost_ &&
+      !motion_.is_plausible(T_cw_found, alignment.mean_inverse_depth)) {
+    alignment.status = AlignmentStatus::MOTION_BOUND;
+    alignment.reason =
+        "the step from the frame before is larger than max_frame_translation or "
+        "max_frame_rotation";
+  }
+  result.keyframe = reference.frame;
+  result.reason = alignment.status == AlignmentStatus::OK ? "" : alignment.reason;
+  if (alignment.status != AlignmentStatus::OK) return false;
+  result.T_wc = se3_inverse(T_cw_found);
+  reference.a = alignment.a;
+  reference.b = alignment.b;
+  return true;
+}
+
+// All starts on the coarsest level, the best of them down to the finest.
+bool RgbdOdometry::try_best_of(Placed& reference,
+                               const Frame& frame,
+                               const std::vector<Matrix4>& starts,
+                               OdometryResult& result) {
+  std::vector<std::pair<double, Matrix4>> found;
+  for (const Matrix4& T_cw : starts) {
+    const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b};
+    const AlignmentResult coarse = coarse_aligner_.align(*reference.keyframe, frame, start);
+    ++result.num_alignments;
+    const double score = coarse.correlation * coarse.overlap;
+    const Matrix4 T_cw_found = without_drift(coarse.T_th * reference.T_kw);
+    if (std::isfinite(score) && T_cw_found.allFinite()) found.emplace_back(score, T_cw_found);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::size_t i = 0; i < std::min(kFinalists, found.size()); ++i) {
+    if (try_start(reference, frame, found[i].second, result)) return true;
+  }
+  return false;
+}
+
+bool RgbdOdometry::needs_keyframe(const OdometryResult& result) const {
+  const KeyframeRule& rule = options_.keyframe_rule;
+  const AlignmentResult& alignment = result.alignment;
+  const double distance = rule.distance_weight * alignment.T_th.topRightCorner<3, 1>().norm() *
+                          alignment.mean_inverse_depth;
+  const double unseen = rule.usage_weight * (1.0 - alignment.usage);
+  return distance * distance + unseen * unseen > 1.0 || alignment.good_ratio < rule.min_good_ratio;
+}
+
+// False when the frame has too few points to be one.
+bool RgbdOdometry::add_keyframe(const std::shared_ptr<Frame>& frame,
+                                const Matrix4& T_cw,
+                                std::int64_t number) {
+  auto keyframe = std::make_shared<Keyframe>(frame, options_.keyframe);
+  const int finest = std::min(options_.tracking.finest_level, keyframe->num_levels() - 1);
+  if (keyframe->points(finest).num_points() < options_.tracking.acceptance.min_points) return false;
+  keyframes_.push_back({std::move(keyframe), T_cw, number});
+  if (static_cast<int>(keyframes_.size()) > options_.num_recovery_keyframes) {
+    keyframes_.pop_front();
+  }
+  return true;
+}
+
+void RgbdOdometry::finish(const std::shared_ptr<Frame>& frame, OdometryResult& result) {
+  const Matrix4 T_cw = se3_inverse(result.T_wc);
+  result.status = is_lost_ ? OdometryStatus::RECOVERED : OdometryStatus::OK;
+  motion_.update(T_cw, result.timestamp, is_lost_);
+  is_lost_ = false;
+  result.is_keyframe = result.keyframe == result.frame ||
+                       (needs_keyframe(result) && add_keyframe(frame, T_cw, result.frame));
+  previous_ = frame;
+  previous_number_ = result.frame;
+}
+
+}  // namespace raylign

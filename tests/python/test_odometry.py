@@ -1,0 +1,189 @@
+"""RGB-D odometry on rendered sequences: right where it says so, honest where it is not."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from raylign import OptionsError, ShapeError, geometry, odometry, synthetic, trajectory
+from raylign.camera import PinholeCamera, RadtanCamera
+from raylign.odometry import OdometryOptions, OdometryStatus, RgbdOdometry
+from raylign.trajectory import Trajectory
+
+WIDTH, HEIGHT = 160, 120
+CAMERA = PinholeCamera(130.0, 130.0, 79.5, 59.5)
+
+
+def frames_of(n=14, seed=0, camera=CAMERA, motion="handheld", scene=None):
+    _, T_wc = synthetic.trajectory(motion, n=n, seed=seed)
+    scene = scene or synthetic.room(seed=seed)
+    return list(
+        synthetic.render_sequence(scene, camera, T_wc, width=WIDTH, height=HEIGHT, seed=seed)
+    ), T_wc
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    return frames_of()
+
+
+class Stamped:
+    """A frame at another time."""
+
+    def __init__(self, frame, timestamp):
+        self.image, self.depth, self.timestamp = frame.truth.image, frame.depth, timestamp
+
+
+def stamped(frames):
+    return [Stamped(frame, i / 30.0) for i, frame in enumerate(frames)]
+
+
+def error_of(run, T_wc, timestamps):
+    truth = Trajectory(timestamps, T_wc)
+    result = trajectory.evaluate(run.trajectory, truth, alignment=trajectory.Alignment.FIRST_POSE)
+    return result.absolute.translation.rmse
+
+
+def test_follows_a_handheld_camera(sequence):
+    frames, T_wc = sequence
+    seen = []
+    run = odometry.run(stamped(frames), CAMERA, T_wc=T_wc[0], callback=seen.append)
+    assert [r.status for r in run.results] == [OdometryStatus.OK] * len(frames)
+    assert len(seen) == len(frames) == len(run.times_s)
+    assert run.results[0].is_keyframe
+    assert run.keyframes[0] == 0
+    np.testing.assert_array_equal(run.results[0].T_wc, T_wc[0])
+    assert error_of(run, T_wc, np.arange(len(frames)) / 30.0) < 0.01
+    assert not run.was_interrupted
+    assert run.num_lost == 0
+
+
+def test_same_bits_for_any_number_of_threads(sequence):
+    frames, _ = sequence
+    poses = []
+    for threads in (1, 2):
+        options = OdometryOptions()
+        tracking = options.tracking
+        tracking = tracking.replace(lm=tracking.lm.replace(num_threads=threads))
+        run = odometry.run(stamped(frames), CAMERA, options=options.replace(tracking=tracking))
+        poses.append(run.trajectory.T_wc)
+    np.testing.assert_array_equal(*poses)
+
+
+def test_a_foreign_frame_is_lost_and_the_next_one_recovered(sequence):
+    frames, T_wc = sequence
+    other, _ = frames_of(n=2, seed=5, scene=synthetic.boxes(seed=77))
+    mixed = stamped([*frames[:6], *other, *frames[6:]])
+    run = odometry.run(mixed, CAMERA, T_wc=T_wc[0])
+    statuses = [r.status for r in run.results]
+    assert statuses[6:8] == [OdometryStatus.LOST] * 2
+    assert statuses[8] is OdometryStatus.RECOVERED
+    assert all(np.isnan(r.T_wc).all() and r.reason for r in run.results[6:8])
+    assert run.num_lost == 2
+    kept = np.r_[0:6, 8 : len(mixed)]
+    truth = Trajectory(kept / 30.0, T_wc)
+    result = trajectory.evaluate(run.trajectory, truth, alignment=trajectory.Alignment.FIRST_POSE)
+    assert result.absolute.translation.max < 0.02
+
+
+def test_a_teleported_camera_is_not_believed(sequence):
+    """The second frame shows the scene from far away: right, or honestly not OK."""
+    _, T_wc = sequence
+    far = geometry.se3_exp([1.2, 0.0, 0.3, 0.0, 0.9, 0.0])
+    poses = np.stack([T_wc[0], T_wc[0] @ far])
+    jump = list(
+        synthetic.render_sequence(synthetic.room(seed=0), CAMERA, poses, width=WIDTH, height=HEIGHT)
+    )
+    run = odometry.run(stamped(jump), CAMERA, T_wc=T_wc[0])
+    result = run.results[1]
+    if result.status is OdometryStatus.OK:
+        np.testing.assert_allclose(result.T_wc, poses[1], atol=0.02)
+    else:
+        assert result.reason
+
+
+def test_starts_with_the_first_frame_that_has_depth(sequence):
+    frames, _ = sequence
+    late = stamped(frames)
+    late[0].depth = None
+    late[1].depth = np.full((HEIGHT, WIDTH), np.nan, np.float32)
+    run = odometry.run(late, CAMERA)
+    statuses = [r.status for r in run.results]
+    assert statuses[:2] == [OdometryStatus.NO_DEPTH] * 2
+    assert statuses[2:] == [OdometryStatus.OK] * (len(frames) - 2)
+    assert run.results[2].keyframe == 2
+
+
+def test_distortion_is_removed_before_tracking():
+    camera = RadtanCamera(130.0, 130.0, 79.5, 59.5, -0.15, 0.03, 0.001, -0.001)
+    frames, T_wc = frames_of(n=8, camera=camera)
+    run = odometry.run(stamped(frames), camera, T_wc=T_wc[0])
+    assert run.num_lost == 0
+    assert run.camera.fx > camera.fx * 0.9
+    assert error_of(run, T_wc, np.arange(8) / 30.0) < 0.01
+    ignored = odometry.run(stamped(frames), PinholeCamera(130.0, 130.0, 79.5, 59.5), T_wc=T_wc[0])
+    assert error_of(run, T_wc, np.arange(8) / 30.0) < error_of(ignored, T_wc, np.arange(8) / 30.0)
+
+
+def test_millimetres_and_metres_are_the_same(sequence):
+    frames, _ = sequence
+    in_mm = stamped(frames[:4])
+    for frame in in_mm:
+        depth = np.nan_to_num(frame.depth)
+        frame.depth = np.round(depth * 1000).astype(np.uint16)
+    rounded = stamped(frames[:4])
+    for frame, other in zip(rounded, in_mm, strict=True):
+        frame.depth = (other.depth / 1000).astype(np.float32)
+    a, b = (odometry.run(frames_, CAMERA).trajectory.T_wc for frames_ in (in_mm, rounded))
+    np.testing.assert_allclose(a, b, atol=1e-5)
+
+
+def test_callback_and_ctrl_c_keep_what_there_is(sequence):
+    frames, _ = sequence
+    count = itertools.count(1)
+    run = odometry.run(stamped(frames), CAMERA, callback=lambda _: next(count) < 5)
+    assert run.was_interrupted
+    assert len(run.results) == len(run.times_s) == 5
+
+    def interrupt(result):
+        if result.frame == 3:
+            raise KeyboardInterrupt
+
+    run = odometry.run(stamped(frames), CAMERA, callback=interrupt)
+    assert run.was_interrupted
+    assert len(run.results) == len(run.times_s) == 4
+
+
+def test_wrong_input_is_refused(sequence):
+    frames, _ = sequence
+    tracker = RgbdOdometry(CAMERA)
+    tracker.track(frames[0].truth.image, frames[0].depth, timestamp=1.0)
+    with pytest.raises(OptionsError, match="timestamp must be"):
+        tracker.track(frames[1].truth.image, frames[1].depth, timestamp=1.0)
+    with pytest.raises(
+        ShapeError, match=r"image must have the size of the first image, \(120, 160"
+    ):
+        tracker.track(frames[1].truth.image[:100], frames[1].depth[:100], timestamp=2.0)
+    with pytest.raises(ShapeError, match="depth must have the size"):
+        tracker.track(frames[1].truth.image, frames[1].depth[:, :80].copy(), timestamp=2.0)
+    with pytest.raises(ShapeError, match="T_wc must be"):
+        RgbdOdometry(CAMERA, T_wc=np.eye(4)[None])
+    after = tracker.track(frames[1].truth.image, frames[1].depth, timestamp=2.0)
+    assert after.status is OdometryStatus.OK, "refused frames leave no trace"
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("depth_scale", 0.0), ("num_recovery_keyframes", 0), ("depth_scale", float("nan"))],
+)
+def test_options_are_checked(field, value):
+    with pytest.raises(OptionsError, match=field):
+        OdometryOptions(**{field: value})
+
+
+def test_sim3_is_refused():
+    from raylign.tracking import MotionGroup
+
+    options = OdometryOptions()
+    with pytest.raises(OptionsError, match="SE3 or SO3"):
+        options.replace(tracking=options.tracking.replace(motion=MotionGroup.SIM3))
