@@ -34,7 +34,8 @@ CallbackAction ask_python(const py::object& callback, const IterationSummary& su
 }
 
 // Options by value: other Python threads may change theirs while the GIL is released.
-Summary adjust_in_place(BalProblem& problem,
+template <typename Problem>
+Summary adjust_in_place(Problem& problem,
                         BundleConfig config,
                         BundleOptions options,
                         const py::object& callback) {
@@ -47,6 +48,20 @@ Summary adjust_in_place(BalProblem& problem,
 template <typename T>
 py::array_t<T> to_numpy(const std::vector<T>& values) {
   return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+template <typename Problem>
+void bind_engines(py::module_& m) {
+  m.def(
+      "linearize",
+      [](const Problem& problem, const BundleConfig& config, const BundleOptions& options) {
+        return linearize(problem, config, options);
+      },
+      py::arg("problem"), py::kw_only(), py::arg("config"), py::arg("options"),
+      py::call_guard<py::gil_scoped_release>());
+  m.def("adjust", &adjust_in_place<Problem>, py::arg("problem"), py::kw_only(), py::arg("config"),
+        py::arg("options"), py::arg("callback").none(true),
+        "Refine `problem` in place; the façade raylign.bundle.adjust copies first.");
 }
 
 }  // namespace
@@ -67,11 +82,8 @@ void bind_bundle(py::module_& m) {
           "columns", [](const Linearization& l) { return to_numpy(l.columns); }, "CRS.")
       .def_property_readonly(
           "values", [](const Linearization& l) { return to_numpy(l.values); }, "CRS.");
-  m.def("linearize", &linearize, py::arg("problem"), py::kw_only(), py::arg("config"),
-        py::arg("options"), py::call_guard<py::gil_scoped_release>());
-  m.def("adjust", &adjust_in_place, py::arg("problem"), py::kw_only(), py::arg("config"),
-        py::arg("options"), py::arg("callback").none(true),
-        "Refine `problem` in place; the façade raylign.bundle.adjust copies first.");
+  bind_engines<BalProblem>(m);
+  bind_engines<BundleProblem>(m);
 }
 
 }  // namespace raylign::python

@@ -1,24 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The raylign authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/eigen.h>
-#include <pybind11/numpy.h>
-#include <pybind11/operators.h>
-
-#include <string>
-#include <tuple>
 #include <utility>
 
 #include "bindings.h"
-#include "numpy.h"
 #include "options_binder.h"
+#include "problem_binder.h"
 #include "raylign/scene/bal_problem.h"
 #include "raylign/scene/bal_statistics.h"
 #include "raylign/scene/bal_transform.h"
 
 namespace raylign::python {
 namespace {
-
-using Release = py::call_guard<py::gil_scoped_release>;
 
 BalProblem make_problem(const py::object& cameras,
                         const py::object& points,
@@ -37,80 +29,17 @@ BalProblem make_problem(const py::object& cameras,
   return problem;
 }
 
-// The constructor's arguments by name: pickle and replace() go through the checking constructor.
-py::dict to_dict(const py::object& self) {
-  py::dict arrays;
-  for (const char* name :
-       {"cameras", "points", "camera_index", "point_index", "observations", "colors"}) {
-    arrays[name] = self.attr(name);
-  }
-  return arrays;
-}
-
-py::object replace(const py::object& self, const py::kwargs& changes) {
-  py::dict arrays = to_dict(self);
-  for (auto item : changes) arrays[item.first] = item.second;
-  return py::type::of(self)(**arrays);
-}
-
-std::string repr(const BalProblem& problem) {
-  return "<BalProblem: " + std::to_string(problem.num_cameras()) + " cameras, " +
-         std::to_string(problem.num_points()) + " points, " +
-         std::to_string(problem.num_observations()) + " observations>";
-}
-
-template <typename T, int Cols>
-void def_view(py::class_<BalProblem>& cls,
-              const char* name,
-              Rows<T, Cols> BalProblem::* member,
-              const char* doc) {
-  cls.def_property_readonly(
-      name,
-      [member](const py::object& self) {
-        return view_of<T, Cols>(self.cast<BalProblem&>().*member, self);
-      },
-      doc);
-}
-
 void bind_arrays(py::class_<BalProblem>& cls) {
   def_view(cls, "cameras", &BalProblem::cameras,
            "(C, 9) float64 view: angle-axis of R_cw (rad), t_cw (scene units), f (px), k1, k2.");
-  def_view(cls, "points", &BalProblem::points, "(P, 3) float64 view: world frame, scene units.");
-  def_view(cls, "camera_index", &BalProblem::camera_index, "(N,) int32 view: in [0, C).");
-  def_view(cls, "point_index", &BalProblem::point_index, "(N,) int32 view: in [0, P).");
-  def_view(cls, "observations", &BalProblem::observations,
-           "(N, 2) float64 view: pixels, principal point at the origin, v up.");
-  def_view(cls, "colors", &BalProblem::colors, "(P, 3) uint8 view: RGB; (0, 3) when unknown.");
-  cls.def_property_readonly("num_cameras", &BalProblem::num_cameras, "C.");
-  cls.def_property_readonly("num_points", &BalProblem::num_points, "P.");
-  cls.def_property_readonly("num_observations", &BalProblem::num_observations, "N.");
-}
-
-void bind_value_semantics(py::class_<BalProblem>& cls) {
-  cls.def(py::self == py::self);  // bitwise
-  cls.def("copy", [](const BalProblem& self) { return BalProblem(self); }, "Deep copy.");
-  cls.def("__copy__", [](const BalProblem& self) { return BalProblem(self); });
-  cls.def("__deepcopy__", [](const BalProblem& self, const py::dict&) { return BalProblem(self); });
-  cls.def("__repr__", &repr);
-  cls.def("to_dict", &to_dict, "The six arrays by name, as views.");
-  cls.def("replace", &replace,
-          "Copy with the given arrays changed; checked as in the constructor.");
-  cls.def("__reduce__", [](const py::object& self) {
-    return py::make_tuple(py::module_::import("raylign._pickle").attr("rebuild"),
-                          py::make_tuple(py::type::of(self), to_dict(self)));
-  });
+  bind_tracks(cls, "(N, 2) float64 view: pixels, principal point at the origin, v up.");
 }
 
 void bind_geometry_of_problem(py::class_<BalProblem>& cls) {
-  cls.def(
-      "residuals", &reprojection_residuals, Release(),
+  bind_reprojection(
+      cls,
       "(N, 2) float64, px: predicted − observed, without a cheirality test; NaN where the camera "
       "cannot project at all.");
-  cls.def("depths", &depths, Release(), "(N,) float64, scene units: −P_z, positive in front.");
-  cls.def("cost", &reprojection_cost, Release(), "½ Σ ‖r‖² over all observations, px².");
-  cls.def("statistics", &statistics, Release(), "Counts, track lengths, reprojection errors.");
-  cls.def("camera_centers", &camera_centers, Release(),
-          "(C, 3) float64: c = −R_cwᵀ t_cw, world frame.");
   cls.def(
       "T_cw",
       [](const BalProblem& self) {
@@ -130,9 +59,6 @@ void bind_geometry_of_problem(py::class_<BalProblem>& cls) {
       "transformed", &transform, Release(), py::arg("S_nw"),
       "Problem in the world coordinates X' = S_nw X, S_nw (4, 4) = [s R, t; 0, 1]; same pixels. "
       "ShapeError when S_nw is not a similarity.");
-  cls.def(
-      "validate", &BalProblem::validate, Release(),
-      "Raise ShapeError when lengths disagree or an index is out of range (views are writable).");
 }
 
 void bind_count_summary(py::module_& m) {
@@ -166,7 +92,7 @@ void bind_statistics(py::module_& m) {
       .field("num_underconstrained_cameras", &S::num_underconstrained_cameras, "See < 3 points.")
       .field("num_duplicate_observations", &S::num_duplicate_observations,
              "Repeats of an earlier (camera, point) pair.")
-      .field("num_non_positive_focal", &S::num_non_positive_focal, "Cameras with f <= 0.")
+      .field("num_non_positive_focal", &S::num_non_positive_focal, "Cameras with f, fx or fy <= 0.")
       .finish();
 }
 
@@ -184,7 +110,9 @@ void bind_scene(py::module_& m) {
           py::arg("point_index"), py::arg("observations"), py::kw_only(),
           py::arg("colors") = py::none());
   bind_arrays(cls);
-  bind_value_semantics(cls);
+  bind_value_semantics(
+      cls, {"cameras", "points", "camera_index", "point_index", "observations", "colors"});
+  cls.def("__repr__", [](const BalProblem& self) { return problem_repr(self, "BalProblem"); });
   bind_geometry_of_problem(cls);
 }
 

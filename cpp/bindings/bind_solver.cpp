@@ -129,7 +129,8 @@ void bind_bundle_config(py::module_& m) {
   using C = ConstantCoordinate;
   OptionsBinder<C>(
       m, "ConstantCoordinate",
-      "One scalar held constant: POSE tx ty tz rotation, INTRINSICS f k1 k2, POINT x y z.",
+      "One scalar held constant: POSE tx ty tz rotation, INTRINSICS the parameters of the camera "
+      "model (BAL: f k1 k2), POINT x y z.",
       [](const C& c) { coordinate_offset(c.kind, c.coordinate); })
       .field("kind", &C::kind, "ParameterKind.")
       .field("index", &C::index, "Camera or point; -1 = all.")
@@ -141,7 +142,7 @@ void bind_bundle_config(py::module_& m) {
                    [](const B& b) { b.validate(kMaxCount, kMaxCount); })
       .field("gauge", &B::gauge, "Gauge.")
       .field("constant_cameras", &B::constant_cameras, "Cameras whose pose is held.")
-      .field("constant_intrinsics", &B::constant_intrinsics, "Cameras whose f, k1, k2 are held.")
+      .field("constant_intrinsics", &B::constant_intrinsics, "Cameras whose intrinsics are held.")
       .field("constant_points", &B::constant_points, "Points that are held.")
       .field("constant_coordinates", &B::constant_coordinates, "Single scalars that are held.")
       .finish();

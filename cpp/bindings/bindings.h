@@ -16,6 +16,7 @@ void bind_depth(pybind11::module_& m);
 void bind_robust(pybind11::module_& m);
 void bind_solver(pybind11::module_& m);
 void bind_scene(pybind11::module_& m);
+void bind_bundle_problem(pybind11::module_& m);
 void bind_io(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
 void bind_render(pybind11::module_& m);

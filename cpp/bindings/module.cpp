@@ -15,6 +15,7 @@ PYBIND11_MODULE(_core, m) {
   rp::bind_robust(m);
   rp::bind_solver(m);
   rp::bind_scene(m);
+  rp::bind_bundle_problem(m);
   rp::bind_io(m);
   rp::bind_synthetic(m);
   rp::bind_render(m);

@@ -1,7 +1,8 @@
-"""Reprojection bundle adjustment of BAL problems."""
+"""Reprojection bundle adjustment of `BalProblem` and `BundleProblem`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from raylign import _core
 from raylign._core import (
@@ -9,6 +10,7 @@ from raylign._core import (
     BalProblem,
     BundleConfig,
     BundleOptions,
+    BundleProblem,
     ConstantCoordinate,
     Gauge,
     IterationSummary,
@@ -47,32 +49,36 @@ __all__ = [
 ]
 
 
+ProblemT = TypeVar("ProblemT", BalProblem, BundleProblem)
+
+
 @dataclass(frozen=True)
-class BundleResult:
+class BundleResult(Generic[ProblemT]):
     """What `adjust` returns.
 
     Attributes:
-        problem: refined problem, a new object; the input bit by bit when no step was accepted.
+        problem: refined problem, a new object of the input's class; the input bit by bit when no
+            step was accepted.
         summary: costs in px², times in s, one row per iteration.
     """
 
-    problem: BalProblem
+    problem: ProblemT
     summary: Summary
 
 
 def adjust(
-    problem: BalProblem,
+    problem: ProblemT,
     *,
     config: BundleConfig | None = None,
     options: BundleOptions | None = None,
     callback: Callable[[IterationSummary], bool | None] | None = None,
-) -> BundleResult:
+) -> BundleResult[ProblemT]:
     """Refine cameras and points by minimising the robust reprojection error.
 
-    Minimises ½ Σ ρ(‖π(R_cw X + t_cw; f, k1, k2) − u‖²) over poses, intrinsics and points.
+    Minimises ½ Σ ρ(‖π(R_cw X + t_cw; intrinsics) − u‖²) over poses, intrinsics and points.
 
     Args:
-        problem: BAL problem; not modified.
+        problem: BalProblem, or BundleProblem for other cameras; not modified.
         config: what is held fixed. Default: nothing (gauge `FREE`; the damping holds it).
         options: how to solve. Default: `BundleOptions()`.
         callback: called after each iteration, the start included; return False to stop. An
@@ -112,7 +118,7 @@ def adjust(
 
 
 def linearize(
-    problem: BalProblem,
+    problem: BalProblem | BundleProblem,
     *,
     config: BundleConfig | None = None,
     options: BundleOptions | None = None,
@@ -120,7 +126,7 @@ def linearize(
     """Linearise the bundle-adjustment problem at its current state.
 
     Args:
-        problem: BAL problem; not modified.
+        problem: BalProblem or BundleProblem; not modified.
         config: what is held fixed; held coordinates have no column.
         options: parametrisations and loss; the rest is not used.
 
@@ -128,7 +134,7 @@ def linearize(
         Linearization: `cost` (px²), weighted `residuals` (2N,), `gradient` (n,) and J in
         compressed row storage (`row_starts`, `columns`, `values`):
         `scipy.sparse.csr_matrix((values, columns, row_starts), shape=(2N, n))`.
-        Columns: per camera pose [υ; ω] then f, k1, k2; then points.
+        Columns: per camera pose [υ; ω] then intrinsics; then points.
 
     Raises:
         OptionsError: an option or an index in `config` is out of range.

@@ -338,8 +338,11 @@ def test_contradicting_options_are_refused(adjust, perturbed):
     )
     with pytest.raises(raylign.OptionsError, match="explicit_schur"):
         adjust(perturbed, options=BundleOptions(linear_solver=jacobi))
-    with pytest.raises(raylign.OptionsError, match="must be one of f, k1, k2"):
-        ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate="fx")
+    with pytest.raises(raylign.OptionsError, match="must be one of f, fx, fy"):
+        ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate="focal")
+    of_a_pinhole = ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate="fx")
+    with pytest.raises(raylign.OptionsError, match="must be one of f, k1, k2, got 'fx'"):
+        adjust(perturbed, config=BundleConfig(constant_coordinates=[of_a_pinhole]))
     one_coordinate = ConstantCoordinate(kind=ParameterKind.POINT, index=0, coordinate="z")
     with pytest.raises(raylign.OptionsError, match="XYZ"):
         adjust(

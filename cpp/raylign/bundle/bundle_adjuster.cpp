@@ -2,16 +2,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/bundle/bundle_adjuster.h"
 
+#include "raylign/base/error.h"
 #include "raylign/bundle/native/solve.h"
 #include "raylign/ceres_backend/solve.h"
 
 namespace raylign {
 namespace {
 
-void validate(const BalProblem& problem, const BundleConfig& config, const BundleOptions& options) {
+CameraModel model_of(const BalProblem& /*problem*/) { return CameraModel::BAL; }
+CameraModel model_of(const BundleProblem& problem) { return problem.camera_model; }
+
+template <typename Problem>
+void validate(const Problem& problem, const BundleConfig& config, const BundleOptions& options) {
   problem.validate();
-  config.validate(problem.num_cameras(), problem.num_points());
+  config.validate(problem.num_cameras(), problem.num_points(), param_names(model_of(problem)));
   options.validate();
+}
+
+template <typename Problem>
+Summary solve_through_ceres(Problem& problem,
+                            const BundleConfig& config,
+                            const BundleOptions& options,
+                            const IterationCallback& callback) {
+  BundleScene scene(problem);
+  const Summary summary = ceres_backend::solve(scene, config, options, callback);
+  scene.store(problem);
+  return summary;
 }
 
 }  // namespace
@@ -27,10 +43,28 @@ Summary adjust(BalProblem& problem,
     case Backend::CERES:
       break;
   }
-  return ceres_backend::solve(problem, config, options, callback);
+  return solve_through_ceres(problem, config, options, callback);
+}
+
+Summary adjust(BundleProblem& problem,
+               const BundleConfig& config,
+               const BundleOptions& options,
+               const IterationCallback& callback) {
+  validate(problem, config, options);
+  if (options.backend == Backend::NATIVE) {
+    throw OptionsError("BundleOptions.backend must be CERES for a BundleProblem, got native");
+  }
+  return solve_through_ceres(problem, config, options, callback);
 }
 
 Linearization linearize(const BalProblem& problem,
+                        const BundleConfig& config,
+                        const BundleOptions& options) {
+  validate(problem, config, options);
+  return ceres_backend::linearize(problem, config, options);
+}
+
+Linearization linearize(const BundleProblem& problem,
                         const BundleConfig& config,
                         const BundleOptions& options) {
   validate(problem, config, options);

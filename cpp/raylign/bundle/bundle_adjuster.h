@@ -3,6 +3,7 @@
 #pragma once
 
 #include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_problem.h"
 #include "raylign/solver/bundle_config.h"
 #include "raylign/solver/bundle_options.h"
 #include "raylign/solver/linearization.h"
@@ -19,10 +20,17 @@ Summary adjust(BalProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
                const IterationCallback& callback = nullptr);
+Summary adjust(BundleProblem& problem,
+               const BundleConfig& config,
+               const BundleOptions& options,
+               const IterationCallback& callback = nullptr);
 
 /// The same problem linearised at its current state: cost, gradient, sparse Jacobian (see
 /// Linearization). Throws Error when a residual is not finite there, and whatever `adjust` throws.
 Linearization linearize(const BalProblem& problem,
+                        const BundleConfig& config,
+                        const BundleOptions& options);
+Linearization linearize(const BundleProblem& problem,
                         const BundleConfig& config,
                         const BundleOptions& options);
 

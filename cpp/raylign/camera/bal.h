@@ -25,6 +25,7 @@ void bal_project(const T* params, const T* p_c, T* uv) {
 class BalCamera {
  public:
   static constexpr int kNumParams = 3;
+  static constexpr double kViewZ = -1.0;  ///< looks along −z
   using Params = Eigen::Matrix<double, kNumParams, 1>;
 
   /// f in px. Nothing is checked here (see validate): a solver may pass through any values.

@@ -11,6 +11,7 @@ namespace raylign {
 class PinholeCamera {
  public:
   static constexpr int kNumParams = 4;
+  static constexpr double kViewZ = 1.0;  ///< looks along +z
   using Params = Eigen::Matrix<double, kNumParams, 1>;
 
   /// All in px. Nothing is checked here (see validate).

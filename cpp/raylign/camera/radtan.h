@@ -13,6 +13,7 @@ namespace raylign {
 class RadtanCamera {
  public:
   static constexpr int kNumParams = 9;
+  static constexpr double kViewZ = 1.0;  ///< looks along +z
   using Params = Eigen::Matrix<double, kNumParams, 1>;
 
   /// (fx, fy, cx, cy) in px, then (k1, k2, p1, p2, k3). Nothing is checked here (see validate).

@@ -34,7 +34,7 @@ void check_dense_matrices(LinearSolverType type, double rows, double columns) {
 }  // namespace
 
 LinearSolverChoice choose_linear_solver(LinearSolverType requested,
-                                        const BalProblem& problem,
+                                        const BundleScene& scene,
                                         bool has_free_point) {
   if (requested != LinearSolverType::AUTO) return {requested, "requested"};
   if (!has_free_point) {
@@ -42,7 +42,7 @@ LinearSolverChoice choose_linear_solver(LinearSolverType requested,
             "auto: no free point to eliminate, so the cameras' JᵀJ "
             "is factored sparsely"};
   }
-  const std::int64_t num_cameras = problem.num_cameras();
+  const std::int64_t num_cameras = scene.num_cameras();
   const std::string count = std::to_string(num_cameras) + " cameras";
   if (num_cameras <= kMaxCamerasDense) {
     return {LinearSolverType::DENSE_SCHUR, "auto: " + count +
@@ -74,17 +74,19 @@ void check_preconditioner(const LinearSolverOptions& options) {
   }
 }
 
-void check_ceres_limits(const BalProblem& problem, LinearSolverType type, bool has_free_point) {
-  constexpr double kMaxNonzerosPerObservation = 2 * (6 + 3 + 3 + 6);  // inverse depth: two poses
-  const auto num_observations = static_cast<double>(problem.num_observations());
-  const double camera_columns = 9.0 * static_cast<double>(problem.num_cameras());
-  const double point_columns = 3.0 * static_cast<double>(problem.num_points());
-  if (kMaxNonzerosPerObservation * num_observations > kMaxInt ||
+void check_ceres_limits(const BundleScene& scene, LinearSolverType type, bool has_free_point) {
+  const int num_camera_columns = 6 + scene.num_intrinsics();
+  const double max_nonzeros_per_observation =
+      2.0 * (num_camera_columns + 3 + 6);  // inverse depth: two poses
+  const auto num_observations = static_cast<double>(scene.num_observations());
+  const double camera_columns = num_camera_columns * static_cast<double>(scene.num_cameras());
+  const double point_columns = 3.0 * static_cast<double>(scene.num_points());
+  if (max_nonzeros_per_observation * num_observations > kMaxInt ||
       2.0 * (camera_columns + point_columns) > kMaxInt) {
     throw OptionsError(
         "BundleOptions.backend ceres holds at most " +
-        std::to_string(static_cast<std::int64_t>(kMaxInt / kMaxNonzerosPerObservation)) +
-        " observations, got " + std::to_string(problem.num_observations()));
+        std::to_string(static_cast<std::int64_t>(kMaxInt / max_nonzeros_per_observation)) +
+        " observations, got " + std::to_string(scene.num_observations()));
   }
   if (type == LinearSolverType::DENSE_NORMAL_CHOLESKY) {
     check_dense_matrices(type, 2.0 * num_observations, camera_columns + point_columns);

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/options.h"
 
 namespace raylign::ceres_backend {
@@ -16,7 +16,7 @@ struct LinearSolverChoice {
 
 /// What AUTO means for this problem; anything else is taken as it is.
 LinearSolverChoice choose_linear_solver(LinearSolverType requested,
-                                        const BalProblem& problem,
+                                        const BundleScene& scene,
                                         bool has_free_point);
 
 /// Throws OptionsError for a preconditioner that Ceres does not have, alone or on an explicit S.
@@ -24,6 +24,6 @@ void check_preconditioner(const LinearSolverOptions& options);
 
 /// Throws OptionsError when Ceres could not hold the problem: its sizes are `int`, its dense
 /// matrices are allocated whole, and it checks neither.
-void check_ceres_limits(const BalProblem& problem, LinearSolverType type, bool has_free_point);
+void check_ceres_limits(const BundleScene& scene, LinearSolverType type, bool has_free_point);
 
 }  // namespace raylign::ceres_backend

@@ -3,13 +3,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <cstring>
 #include <vector>
 
 #include "raylign/ceres_backend/point_blocks.h"
 #include "raylign/parametrization/constants.h"
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_options.h"
 
 namespace raylign::ceres_backend {
@@ -17,30 +16,26 @@ namespace raylign::ceres_backend {
 /// How one point is stored in its block.
 enum class PointModel { XYZ, HOMOGENEOUS, INVERSE_DEPTH };
 
-/// Center and root-mean-square extent of the cameras; where they all stand in one place, the median
-/// distance of the points; 1 when that is zero too.
-HomogeneousFrame homogeneous_frame(const BalProblem& problem);
-
 /// The numbers that Ceres moves: camera by camera pose and intrinsics, then the points, in the
-/// chosen parametrisation; and the way from a BalProblem and back.
+/// chosen parametrisation; and the way from a scene and back.
 ///
 /// All blocks lie in one buffer, because Ceres orders the blocks of an elimination group by
 /// address: with separate buffers the allocator would choose the order of the sums, and with it the
 /// last bits.
-template <typename Pose>
+template <typename Camera, typename Pose>
 class ParameterState {
  public:
-  ParameterState(const BalProblem& problem,
+  ParameterState(const BundleScene& scene,
                  PointParametrization parametrization,
                  const Constants& held)
-      : problem_(problem), parametrization_(parametrization), held_(held) {
+      : scene_(scene), parametrization_(parametrization), held_(held) {
     find_hosts();
-    frame_ = homogeneous_frame(problem);
+    frame_ = homogeneous_frame(scene);
     point_size_ = parametrization == PointParametrization::HOMOGENEOUS ? 4 : 3;
-    points_offset_ = problem.num_cameras() * kCameraStride;
-    values_.resize(points_offset_ + problem.num_points() * point_size_);
-    for (std::int64_t c = 0; c < problem.num_cameras(); ++c) load_camera(c);
-    for (std::int64_t p = 0; p < problem.num_points(); ++p) load_point(p);
+    points_offset_ = scene.num_cameras() * kCameraStride;
+    values_.resize(points_offset_ + scene.num_points() * point_size_);
+    for (std::int64_t c = 0; c < scene.num_cameras(); ++c) load_camera(c);
+    for (std::int64_t p = 0; p < scene.num_points(); ++p) load_point(p);
     initial_values_ = values_;
   }
   ParameterState(const ParameterState&) = delete;  // Ceres keeps the addresses
@@ -73,47 +68,44 @@ class ParameterState {
   void save() { saved_values_ = values_; }
   void restore_saved() { values_ = saved_values_; }
 
-  /// Writes the state into `problem`; numbers of blocks that still hold their first bits are left
+  /// Writes the state into `scene`; numbers of blocks that still hold their first bits are left
   /// alone.
-  void write_back(BalProblem& problem) const {
-    for (std::int64_t c = 0; c < problem.num_cameras(); ++c) write_back_camera(c, problem);
-    for (std::int64_t p = 0; p < problem.num_points(); ++p) {
+  void write_back(BundleScene& scene) const {
+    for (std::int64_t c = 0; c < scene.num_cameras(); ++c) write_back_camera(c, scene);
+    for (std::int64_t p = 0; p < scene.num_points(); ++p) {
       if (changed(points_offset_ + p * point_size_, point_size_) || host_moved(p)) {
-        problem.points.row(p) = world_point(p).transpose();
+        scene.points.row(p) = world_point(p).transpose();
       }
     }
   }
 
  private:
-  static constexpr std::int64_t kCameraStride = Pose::kSize + 3;
+  static constexpr std::int64_t kCameraStride = Pose::kSize + Camera::kNumParams;
 
   const double* pose(std::int64_t c) const { return values_.data() + c * kCameraStride; }
 
   void find_hosts() {
-    hosts_.assign(problem_.num_points(), -1);
-    for (std::int64_t i = 0; i < problem_.num_observations(); ++i) {
-      std::int32_t& host = hosts_[problem_.point_index[i]];
-      const std::int32_t camera = problem_.camera_index[i];
+    hosts_.assign(scene_.num_points(), -1);
+    for (std::int64_t i = 0; i < scene_.num_observations(); ++i) {
+      std::int32_t& host = hosts_[scene_.point_index[i]];
+      const std::int32_t camera = scene_.camera_index[i];
       if (host < 0 || camera < host) host = camera;
     }
   }
 
   void load_camera(std::int64_t c) {
-    const auto row = problem_.cameras.row(c);
-    Pose::from_angle_axis(row.template head<3>().transpose(),
-                          row.template segment<3>(3).transpose(), pose(c));
-    Eigen::Map<Vector3>{intrinsics(c)} = row.template tail<3>().transpose();
+    Pose::from_angle_axis(scene_.omega.row(c).transpose(), scene_.t.row(c).transpose(), pose(c));
+    Eigen::Map<typename Camera::Params>{intrinsics(c)} = scene_.intrinsics.row(c).transpose();
   }
 
   void load_point(std::int64_t p) {
-    const Vector3 x = problem_.points.row(p).transpose();
+    const Vector3 x = scene_.points.row(p).transpose();
     switch (point_model(p)) {
       case PointModel::XYZ:
         Eigen::Map<Vector3>{point(p)} = x;
         return;
       case PointModel::HOMOGENEOUS:
-        Eigen::Map<Vector4>{point(p)} =
-            Vector3((x - frame_.center) / frame_.scale).homogeneous().stableNormalized();
+        Eigen::Map<Vector4>{point(p)} = frame_.from_world(x);
         return;
       case PointModel::INVERSE_DEPTH:
         break;
@@ -121,24 +113,26 @@ class ParameterState {
     if (hosts_[p] < 0) return;  // never observed: never read
     const Pose host(pose(hosts_[p]));
     const Vector3 p_h = host.R_cw * x + host.t_cw;
-    Eigen::Map<Vector3>{point(p)} = Vector3(p_h.x(), p_h.y(), 1.0) / -p_h.z();
+    const double rho = Camera::kViewZ / p_h.z();  // m = ρ p_h with m_z = ±1: where the host looks
+    Eigen::Map<Vector3>{point(p)} = rho * Vector3(p_h.x(), p_h.y(), 1.0);
   }
 
   bool changed(std::int64_t offset, std::int64_t count) const {
     return std::memcmp(&values_[offset], &initial_values_[offset], count * sizeof(double)) != 0;
   }
 
-  void write_back_camera(std::int64_t c, BalProblem& problem) const {
+  void write_back_camera(std::int64_t c, BundleScene& scene) const {
     const double* block = pose(c);
     const std::int64_t first = c * kCameraStride;
     constexpr std::int64_t kRotationSize = Pose::kSize - 3;
     if (changed(first, kRotationSize)) {  // a held rotation keeps the file's digits
-      problem.cameras.row(c).template head<3>() = Pose::angle_axis(block).transpose();
+      scene.omega.row(c) = Pose::angle_axis(block).transpose();
     }
-    // Translation and intrinsics are the file's own numbers: unchanged ones are copied onto
+    // Translation and intrinsics are the scene's own numbers: unchanged ones are copied onto
     // themselves.
-    problem.cameras.row(c).template tail<6>() =
-        Eigen::Map<const Vector6>(block + kRotationSize).transpose();
+    scene.t.row(c) = Eigen::Map<const Vector3>(block + kRotationSize).transpose();
+    scene.intrinsics.row(c) =
+        Eigen::Map<const typename Camera::Params>(block + Pose::kSize).transpose();
   }
 
   // An anchored point moves in the world with its host, even when its own numbers stay.
@@ -153,25 +147,18 @@ class ParameterState {
       case PointModel::XYZ:
         return Eigen::Map<const Vector3>(block);
       case PointModel::HOMOGENEOUS:
-        return frame_.center +
-               frame_.scale / bounded_weight(block[3]) * Eigen::Map<const Vector3>(block);
+        return frame_.to_world(Eigen::Map<const Vector4>(block));
       case PointModel::INVERSE_DEPTH:
         break;
     }
     const Pose host(pose(hosts_[p]));
-    const Vector3 m(block[0], block[1], -1.0);
-    const double inv_depth = bounded_weight(block[2] * frame_.scale) / frame_.scale;
+    const Vector3 m(block[0], block[1], Camera::kViewZ);
+    const double inv_depth =
+        HomogeneousFrame::bounded_weight(block[2] * frame_.scale) / frame_.scale;
     return host.R_cw.transpose() * (m / inv_depth - host.t_cw);
   }
 
-  // A BAL file has no points at infinity: they are written 1e12 camera extents away, where the
-  // pixel is the same to about 1e-9 px.
-  static double bounded_weight(double w) {
-    constexpr double kSmallest = 1e-12;
-    return std::abs(w) < kSmallest ? std::copysign(kSmallest, w) : w;
-  }
-
-  const BalProblem& problem_;
+  const BundleScene& scene_;
   const PointParametrization parametrization_;
   const Constants& held_;
   HomogeneousFrame frame_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "raylign/base/eigen.h"
+#include "raylign/parametrization/homogeneous.h"
 
 /// How a point is stored in a Ceres parameter block. Each reads as a homogeneous point (x̄, w) of
 /// the world, so that p_c = R x̄ + w t, and turns ∂r/∂x̄ and ∂r/∂w into the Jacobian of its own
@@ -17,13 +18,6 @@ struct XyzPoint {
   void write_jacobian(const RowMajor<2, 3>& J_x, const Vector2& /*J_w*/, double* out) const {
     Eigen::Map<RowMajor<2, kSize>>{out} = J_x;
   }
-};
-
-/// Where homogeneous coordinates are taken: X = center + scale · x̃ / w̃. A unit 4-vector mixes
-/// lengths with a pure number, so it is well-conditioned only in units of the cameras' own extent.
-struct HomogeneousFrame {
-  Vector3 center = Vector3::Zero();
-  double scale = 1.0;
 };
 
 /// [x̃; w̃] on the unit sphere of R⁴ (Triggs et al. 2000, §2.2); w̃ may reach and cross zero.

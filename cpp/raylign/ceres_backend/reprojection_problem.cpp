@@ -25,20 +25,20 @@ ceres::Problem::Options problem_options() {
   return options;
 }
 
-std::vector<int> held_offsets(const CoordinateMask& mask) {
+// Of the first `size` coordinates; a mask may be longer than its block.
+template <std::size_t N>
+std::vector<int> held_offsets(const std::array<bool, N>& mask, int size) {
   std::vector<int> offsets;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < size; ++k) {
     if (mask[k]) offsets.push_back(k);
   }
   return offsets;
 }
 
-bool none_held(const CoordinateMask& mask) { return !(mask[0] || mask[1] || mask[2]); }
-
 void check_point_constants(const Constants& held, PointParametrization parametrization) {
   if (parametrization == PointParametrization::XYZ) return;
   for (const CoordinateMask& mask : held.points) {
-    if (all_held(mask) || none_held(mask)) continue;
+    if (all_held(mask) || count_free(mask) == 3) continue;
     throw OptionsError(
         "BundleConfig.constant_coordinates holds single coordinates of a point, which "
         "needs point_parametrization XYZ, got " +
@@ -46,20 +46,20 @@ void check_point_constants(const Constants& held, PointParametrization parametri
   }
 }
 
-template <typename Pose>
+template <typename Camera, typename Pose>
 class ReprojectionProblemOf final : public ReprojectionProblem {
  public:
-  ReprojectionProblemOf(const BalProblem& problem,
+  ReprojectionProblemOf(const BundleScene& scene,
                         const BundleConfig& config,
                         const BundleOptions& options)
-      : source_(problem),
+      : scene_(scene),
         options_(options),
-        held_(resolve_constants(problem, config)),
-        state_(problem, options.point_parametrization, held_),
+        held_(resolve_constants(scene, config)),
+        state_(scene, options.point_parametrization, held_),
         loss_(options.loss) {
     check_point_constants(held_, options.point_parametrization);
     ceres_ = std::make_unique<ceres::Problem>(problem_options());
-    for (std::int64_t i = 0; i < source_.num_observations(); ++i) add_residual(i);
+    for (std::int64_t i = 0; i < scene_.num_observations(); ++i) add_residual(i);
     register_blocks();
     apply_camera_constants();
     apply_point_constants();
@@ -67,13 +67,13 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
 
   void save_state() override { state_.save(); }
   void restore_saved_state() override { state_.restore_saved(); }
-  void write_back(BalProblem& problem) const override { state_.write_back(problem); }
+  void write_back(BundleScene& scene) const override { state_.write_back(scene); }
 
  private:
   void add_residual(std::int64_t i) {
-    const std::int32_t c = source_.camera_index[i];
-    const std::int32_t p = source_.point_index[i];
-    const Vector2 observed = source_.observations.row(i).transpose();
+    const std::int32_t c = scene_.camera_index[i];
+    const std::int32_t p = scene_.point_index[i];
+    const Vector2 observed = scene_.observations.row(i).transpose();
     ceres::LossFunction* loss = options_.loss.type == LossType::TRIVIAL ? nullptr : &loss_;
     double* pose = state_.pose(c);
     double* intrinsics = state_.intrinsics(c);
@@ -99,12 +99,12 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
   }
 
   void register_blocks() {
-    for (std::int64_t c = 0; c < source_.num_cameras(); ++c) {
+    for (std::int64_t c = 0; c < scene_.num_cameras(); ++c) {
       for (double* block : {state_.pose(c), state_.intrinsics(c)}) {
         if (ceres_->HasParameterBlock(block)) blocks_.push_back(block);
       }
     }
-    for (std::int64_t p = 0; p < source_.num_points(); ++p) {
+    for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
       if (ceres_->HasParameterBlock(state_.point(p))) point_blocks_.push_back(state_.point(p));
     }
     blocks_.insert(blocks_.end(), point_blocks_.begin(), point_blocks_.end());
@@ -112,9 +112,9 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
 
   void apply_camera_constants() {
     ceres::Manifold* free_pose = nullptr;  // one object serves every free camera
-    for (std::int64_t c = 0; c < source_.num_cameras(); ++c) {
+    for (std::int64_t c = 0; c < scene_.num_cameras(); ++c) {
       if (ceres_->HasParameterBlock(state_.intrinsics(c))) {
-        hold_coordinates(state_.intrinsics(c), held_.intrinsics[c]);
+        hold_coordinates<Camera::kNumParams>(state_.intrinsics(c), held_.intrinsics[c]);
       }
       double* pose = state_.pose(c);
       if (!ceres_->HasParameterBlock(pose)) continue;
@@ -140,21 +140,22 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
         break;
     }
     std::vector<int> held = mask.rotation ? std::vector<int>{0, 1, 2} : std::vector<int>{};
-    for (const int k : held_offsets(mask.translation)) held.push_back(3 + k);
+    for (const int k : held_offsets(mask.translation, 3)) held.push_back(3 + k);
     return new ceres::SubsetManifold(6, held);
   }
 
-  void hold_coordinates(double* block, const CoordinateMask& mask) {
+  template <int Size, std::size_t N>
+  void hold_coordinates(double* block, const std::array<bool, N>& mask) {
     if (all_held(mask)) {
       ceres_->SetParameterBlockConstant(block);
-    } else if (!none_held(mask)) {
-      ceres_->SetManifold(block, new ceres::SubsetManifold(3, held_offsets(mask)));
+    } else if (count_free(mask) < Size) {
+      ceres_->SetManifold(block, new ceres::SubsetManifold(Size, held_offsets(mask, Size)));
     }
   }
 
   void apply_point_constants() {
     ceres::Manifold* sphere = nullptr;
-    for (std::int64_t p = 0; p < source_.num_points(); ++p) {
+    for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
       double* block = state_.point(p);
       if (!ceres_->HasParameterBlock(block)) continue;
       if (held_.holds_point(p)) {
@@ -163,32 +164,36 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
         if (sphere == nullptr) sphere = new ceres::SphereManifold<4>();
         ceres_->SetManifold(block, sphere);
       } else if (!held_.points.empty()) {
-        hold_coordinates(block, held_.points[p]);
+        hold_coordinates<3>(block, held_.points[p]);
       }
     }
   }
 
-  const BalProblem& source_;
+  const BundleScene& scene_;
   const BundleOptions options_;
   const Constants held_;
-  ParameterState<Pose> state_;
+  ParameterState<Camera, Pose> state_;
   RobustLoss loss_;
   // deques: Ceres keeps the addresses, and cost functions cannot move
-  std::deque<ReprojectionCost<Pose, XyzPoint>> xyz_costs_;
-  std::deque<ReprojectionCost<Pose, HomogeneousPoint>> homogeneous_costs_;
-  std::deque<InverseDepthCost<Pose>> inverse_depth_costs_;
-  std::deque<InverseDepthHostCost> host_costs_;
+  std::deque<ReprojectionCost<Camera, Pose, XyzPoint>> xyz_costs_;
+  std::deque<ReprojectionCost<Camera, Pose, HomogeneousPoint>> homogeneous_costs_;
+  std::deque<InverseDepthCost<Camera, Pose>> inverse_depth_costs_;
+  std::deque<InverseDepthHostCost<Camera>> host_costs_;
 };
 
 }  // namespace
 
-std::unique_ptr<ReprojectionProblem> ReprojectionProblem::create(const BalProblem& problem,
+std::unique_ptr<ReprojectionProblem> ReprojectionProblem::create(const BundleScene& scene,
                                                                  const BundleConfig& config,
                                                                  const BundleOptions& options) {
-  if (options.pose_parametrization == PoseParametrization::ANGLE_AXIS) {
-    return std::make_unique<ReprojectionProblemOf<AngleAxisPose>>(problem, config, options);
-  }
-  return std::make_unique<ReprojectionProblemOf<QuaternionPose>>(problem, config, options);
+  using Made = std::unique_ptr<ReprojectionProblem>;
+  return visit_camera(scene.camera_model, [&](auto type) -> Made {
+    using Camera = typename decltype(type)::Camera;
+    if (options.pose_parametrization == PoseParametrization::ANGLE_AXIS) {
+      return std::make_unique<ReprojectionProblemOf<Camera, AngleAxisPose>>(scene, config, options);
+    }
+    return std::make_unique<ReprojectionProblemOf<Camera, QuaternionPose>>(scene, config, options);
+  });
 }
 
 }  // namespace raylign::ceres_backend

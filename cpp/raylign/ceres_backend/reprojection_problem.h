@@ -7,20 +7,20 @@
 #include <memory>
 #include <vector>
 
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_config.h"
 #include "raylign/solver/bundle_options.h"
 
 namespace raylign::ceres_backend {
 
-/// A BAL problem as Ceres sees it: parameter blocks in the chosen parametrisation, one residual
+/// A scene as Ceres sees it: parameter blocks in the chosen parametrisation, one residual
 /// block per observation, constants and gauge applied. Owns everything that the ceres::Problem
 /// points to.
 class ReprojectionProblem {
  public:
-  /// `problem` must be valid, with finite residuals (Ceres aborts on NaN parameters), and outlive
-  /// this object. Throws OptionsError for constants that the chosen parametrisation cannot hold.
-  static std::unique_ptr<ReprojectionProblem> create(const BalProblem& problem,
+  /// `scene` must have finite residuals (Ceres aborts on NaN parameters) and outlive this object.
+  /// Throws OptionsError for constants that the chosen parametrisation cannot hold.
+  static std::unique_ptr<ReprojectionProblem> create(const BundleScene& scene,
                                                      const BundleConfig& config,
                                                      const BundleOptions& options);
   virtual ~ReprojectionProblem() = default;
@@ -35,9 +35,9 @@ class ReprojectionProblem {
   /// Ceres puts the start back when it fails; what it had reached until then is kept here.
   virtual void save_state() = 0;
   virtual void restore_saved_state() = 0;
-  /// Writes the current state into `problem`; blocks that still hold their first bits are left
+  /// Writes the current state into `scene`; blocks that still hold their first bits are left
   /// alone.
-  virtual void write_back(BalProblem& problem) const = 0;
+  virtual void write_back(BundleScene& scene) const = 0;
 
  protected:
   std::unique_ptr<ceres::Problem> ceres_;

@@ -55,28 +55,28 @@ bool has_free_point(ReprojectionProblem& problem) {
 
 }  // namespace
 
-Summary solve(BalProblem& problem,
+Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback) {
   check_preconditioner(options.linear_solver);
-  if (problem.num_observations() == 0) return nothing_to_adjust("ceres");
+  if (scene.num_observations() == 0) return nothing_to_adjust("ceres");
   const Stopwatch stopwatch;
   const ScopedGlogSilence silence;
   const ScopedSingleThreadedBlas single_threaded_blas;
   // asked before Ceres sees a number: it aborts the process on NaN parameters
-  const std::string invalid = describe_invalid_start(problem, options.loss);
+  const std::string invalid = describe_invalid_start(scene, options.loss);
   if (!invalid.empty()) return failed_summary("ceres", invalid);
-  const auto built = ReprojectionProblem::create(problem, config, options);
+  const auto built = ReprojectionProblem::create(scene, config, options);
   const bool eliminates = has_free_point(*built);
-  LinearSolverChoice choice = choose_linear_solver(options.linear_solver.type, problem, eliminates);
-  check_ceres_limits(problem, choice.type, eliminates);
+  LinearSolverChoice choice = choose_linear_solver(options.linear_solver.type, scene, eliminates);
+  check_ceres_limits(scene, choice.type, eliminates);
 
   BundleOptions resolved = options;
   resolved.linear_solver.type = choice.type;
   ceres::Solver::Options ceres_options = to_ceres(resolved);
   set_ordering(*built, ceres_options);
-  const int num_residual_blocks = static_cast<int>(problem.num_observations());
+  const int num_residual_blocks = static_cast<int>(scene.num_observations());
   const double build_time_s = stopwatch.seconds();
   CallbackBridge bridge(callback, num_residual_blocks, build_time_s, [&] { built->save_state(); });
   ceres_options.callbacks.push_back(&bridge);
@@ -100,19 +100,19 @@ Summary solve(BalProblem& problem,
   } else {
     ensure_first_row(summary, num_residual_blocks);
   }
-  if (summary.is_usable()) built->write_back(problem);
+  if (summary.is_usable()) built->write_back(scene);
   summary.preprocessor_time_s += build_time_s;
   summary.total_time_s = stopwatch.seconds();
   return summary;
 }
 
-Linearization linearize(const BalProblem& problem,
+Linearization linearize(const BundleScene& scene,
                         const BundleConfig& config,
                         const BundleOptions& options) {
   const ScopedGlogSilence silence;
-  const std::string invalid = describe_invalid_start(problem, options.loss);
+  const std::string invalid = describe_invalid_start(scene, options.loss);
   if (!invalid.empty()) throw Error(invalid);
-  const auto built = ReprojectionProblem::create(problem, config, options);
+  const auto built = ReprojectionProblem::create(scene, config, options);
 
   ceres::Problem::EvaluateOptions evaluate;
   evaluate.num_threads = options.lm.num_threads;

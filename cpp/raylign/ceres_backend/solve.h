@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_config.h"
 #include "raylign/solver/bundle_options.h"
 #include "raylign/solver/linearization.h"
@@ -12,13 +12,13 @@ namespace raylign::ceres_backend {
 
 /// Solves through Ceres. Arguments validated by the caller (bundle/bundle_adjuster.h), which is the
 /// front door; the contract is the same.
-Summary solve(BalProblem& problem,
+Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback);
 
 /// Cost, gradient and sparse Jacobian at the current state.
-Linearization linearize(const BalProblem& problem,
+Linearization linearize(const BundleScene& scene,
                         const BundleConfig& config,
                         const BundleOptions& options);
 

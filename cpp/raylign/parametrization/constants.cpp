@@ -7,11 +7,10 @@
 namespace raylign {
 namespace {
 
-constexpr CoordinateMask kAllHeld{true, true, true};
 constexpr int kRotation = 3;  // coordinate_offset(POSE, "rotation")
 
 void hold_pose(PoseMask& mask) {
-  mask.translation = kAllHeld;
+  mask.translation.fill(true);
   mask.rotation = true;
 }
 
@@ -23,12 +22,13 @@ void for_each_index(std::int32_t index, std::int64_t count, const Apply& apply) 
 }
 
 void hold_coordinate(const ConstantCoordinate& constant,
-                     const BalProblem& problem,
+                     const BundleScene& scene,
                      Constants& held) {
-  const int offset = coordinate_offset(constant.kind, constant.coordinate);
+  const int offset =
+      coordinate_offset(constant.kind, constant.coordinate, param_names(scene.camera_model));
   switch (constant.kind) {
     case ParameterKind::POSE:
-      for_each_index(constant.index, problem.num_cameras(), [&](std::int64_t i) {
+      for_each_index(constant.index, scene.num_cameras(), [&](std::int64_t i) {
         if (offset == kRotation)
           held.poses[i].rotation = true;
         else
@@ -36,12 +36,12 @@ void hold_coordinate(const ConstantCoordinate& constant,
       });
       break;
     case ParameterKind::INTRINSICS:
-      for_each_index(constant.index, problem.num_cameras(),
+      for_each_index(constant.index, scene.num_cameras(),
                      [&](std::int64_t i) { held.intrinsics[i][offset] = true; });
       break;
     case ParameterKind::POINT:
-      held.points.resize(problem.num_points(), CoordinateMask{});
-      for_each_index(constant.index, problem.num_points(),
+      held.points.resize(scene.num_points(), CoordinateMask{});
+      for_each_index(constant.index, scene.num_points(),
                      [&](std::int64_t i) { held.points[i][offset] = true; });
       break;
   }
@@ -50,22 +50,21 @@ void hold_coordinate(const ConstantCoordinate& constant,
 // t of camera i as seen from camera 0's centre: R_i (c_i − c_0), up to sign. A change of scale
 // about c_0 moves t_i along this vector, so its largest coordinate is the one to hold (COLMAP's
 // rule).
-Vector3 baseline(const BalProblem& problem, std::int64_t i, std::int64_t first) {
+Vector3 baseline(const BundleScene& scene, std::int64_t i, std::int64_t first) {
   const auto pose = [&](std::int64_t k) {
-    const Vector3 omega = problem.cameras.row(k).head<3>().transpose();
-    return std::pair<Matrix3, Vector3>(so3_exp(omega),
-                                       problem.cameras.row(k).segment<3>(3).transpose());
+    const Vector3 omega = scene.omega.row(k).transpose();
+    return std::pair<Matrix3, Vector3>(so3_exp(omega), scene.t.row(k).transpose());
   };
   const auto [R_0, t_0] = pose(first);
   const auto [R_i, t_i] = pose(i);
   return t_i - R_i * (R_0.transpose() * t_0);
 }
 
-void hold_gauge(const BalProblem& problem, Gauge gauge, Constants& held) {
-  if (gauge == Gauge::FREE || problem.num_observations() == 0) return;
-  std::vector<bool> observed(problem.num_cameras(), false);
-  for (std::int64_t i = 0; i < problem.num_observations(); ++i)
-    observed[problem.camera_index[i]] = true;
+void hold_gauge(const BundleScene& scene, Gauge gauge, Constants& held) {
+  if (gauge == Gauge::FREE || scene.num_observations() == 0) return;
+  std::vector<bool> observed(scene.num_cameras(), false);
+  for (std::int64_t i = 0; i < scene.num_observations(); ++i)
+    observed[scene.camera_index[i]] = true;
   std::int64_t first = 0;
   while (!observed[first]) ++first;
   hold_pose(held.poses[first]);
@@ -73,8 +72,8 @@ void hold_gauge(const BalProblem& problem, Gauge gauge, Constants& held) {
 
   std::int64_t farthest = -1;
   double longest = 0.0;
-  for (std::int64_t i = first + 1; i < problem.num_cameras(); ++i) {
-    const double length = observed[i] ? baseline(problem, i, first).norm() : 0.0;
+  for (std::int64_t i = first + 1; i < scene.num_cameras(); ++i) {
+    const double length = observed[i] ? baseline(scene, i, first).norm() : 0.0;
     if (length > longest) {
       longest = length;
       farthest = i;
@@ -82,24 +81,26 @@ void hold_gauge(const BalProblem& problem, Gauge gauge, Constants& held) {
   }
   if (farthest < 0) return;  // a single viewpoint has no scale to hold
   Eigen::Index coordinate = 0;
-  baseline(problem, farthest, first).cwiseAbs().maxCoeff(&coordinate);
+  baseline(scene, farthest, first).cwiseAbs().maxCoeff(&coordinate);
   held.poses[farthest].translation[coordinate] = true;
 }
 
 }  // namespace
 
-Constants resolve_constants(const BalProblem& problem, const BundleConfig& config) {
+Constants resolve_constants(const BundleScene& scene, const BundleConfig& config) {
   Constants held;
-  held.poses.resize(problem.num_cameras());
-  held.intrinsics.resize(problem.num_cameras(), CoordinateMask{});
+  held.poses.resize(scene.num_cameras());
+  IntrinsicsMask absent{};
+  std::fill(absent.begin() + scene.num_intrinsics(), absent.end(), true);
+  held.intrinsics.resize(scene.num_cameras(), absent);
   for (const std::int32_t i : config.constant_cameras) hold_pose(held.poses[i]);
-  for (const std::int32_t i : config.constant_intrinsics) held.intrinsics[i] = kAllHeld;
-  if (!config.constant_points.empty()) held.points.resize(problem.num_points(), CoordinateMask{});
-  for (const std::int32_t i : config.constant_points) held.points[i] = kAllHeld;
+  for (const std::int32_t i : config.constant_intrinsics) held.intrinsics[i].fill(true);
+  if (!config.constant_points.empty()) held.points.resize(scene.num_points(), CoordinateMask{});
+  for (const std::int32_t i : config.constant_points) held.points[i].fill(true);
   for (const ConstantCoordinate& constant : config.constant_coordinates) {
-    hold_coordinate(constant, problem, held);
+    hold_coordinate(constant, scene, held);
   }
-  hold_gauge(problem, config.gauge, held);
+  hold_gauge(scene, config.gauge, held);
   return held;
 }
 

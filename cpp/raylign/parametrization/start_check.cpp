@@ -5,20 +5,19 @@
 #include <cmath>
 
 #include "raylign/base/error.h"
-#include "raylign/scene/bal_statistics.h"
 
 namespace raylign {
 
-std::string describe_invalid_start(const BalProblem& problem, const Loss& loss) {
-  const auto residuals = reprojection_residuals(problem);
+std::string describe_invalid_start(const BundleScene& scene, const Loss& loss) {
+  const auto residuals = reprojection_residuals(scene);
   double cost = 0.0;
-  for (std::int64_t i = 0; i < problem.num_observations(); ++i) {
+  for (std::int64_t i = 0; i < scene.num_observations(); ++i) {
     cost += loss.evaluate(residuals.row(i).squaredNorm()).rho;
     if (std::isfinite(cost)) continue;
     return "the start is invalid: observation " + std::to_string(i) + " (camera " +
-           std::to_string(problem.camera_index[i]) + ", point " +
-           std::to_string(problem.point_index[i]) +
-           ") has no finite reprojection error; its depth is " + format_double(depths(problem)[i]);
+           std::to_string(scene.camera_index[i]) + ", point " +
+           std::to_string(scene.point_index[i]) +
+           ") has no finite reprojection error; its depth is " + format_double(depths(scene)[i]);
   }
   return "";
 }

@@ -5,12 +5,12 @@
 #include <string>
 
 #include "raylign/robust/loss.h"
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 
 namespace raylign {
 
 /// Empty when the cost is finite; else a sentence for people: which observation is to blame, its
 /// camera, point and depth.
-std::string describe_invalid_start(const BalProblem& problem, const Loss& loss);
+std::string describe_invalid_start(const BundleScene& scene, const Loss& loss);
 
 }  // namespace raylign

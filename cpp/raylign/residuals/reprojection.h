@@ -7,24 +7,24 @@
 
 namespace raylign {
 
-/// Reprojection residual of the BAL camera, predicted − observed, and its two inner Jacobians. The
-/// only definition of this residual: Ceres functors, native kernels, statistics and tests all call
-/// it.
+/// Reprojection residual of a camera, predicted − observed, and its two inner Jacobians. The only
+/// definition of this residual: Ceres functors call it, native kernels are tested against it.
 ///
-/// @param p_c         point in the camera frame; any positive or negative multiple of it gives the
-/// same pixel,
-///                    so homogeneous points pass R x̄ + w t
-/// @param intrinsics  (f, k1, k2)
+/// @param p_c         point in the camera frame; any positive multiple of it gives the same pixel
+///                    (with BalCamera any negative one too), so homogeneous points pass R x̄ + w t
+/// @param intrinsics  parameters of the camera, m of them
 /// @param J_p         ∂r/∂p_c, 2×3, optional
-/// @param J_intrinsics ∂r/∂(f, k1, k2), 2×3, optional
-/// @return false when the point lies in the camera's plane or the result is not finite
-inline bool reprojection_residual(const Vector3& p_c,
-                                  const Vector3& intrinsics,
-                                  const Vector2& observed,
-                                  Vector2& residual,
-                                  RowMajor<2, 3>* J_p = nullptr,
-                                  RowMajor<2, 3>* J_intrinsics = nullptr) {
-  const BalCamera camera(intrinsics[0], intrinsics[1], intrinsics[2]);
+/// @param J_intrinsics ∂r/∂intrinsics, 2×m, optional
+/// @return false when the camera cannot project the point (Camera::project) or the result is not
+/// finite
+template <typename Camera = BalCamera>
+bool reprojection_residual(const Vector3& p_c,
+                           const typename Camera::Params& intrinsics,
+                           const Vector2& observed,
+                           Vector2& residual,
+                           RowMajor<2, 3>* J_p = nullptr,
+                           RowMajor<2, Camera::kNumParams>* J_intrinsics = nullptr) {
+  const Camera camera(intrinsics);
   if (!camera.project(p_c, residual, J_p, J_intrinsics)) return false;
   residual -= observed;
   return true;

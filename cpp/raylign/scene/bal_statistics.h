@@ -5,22 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "raylign/base/eigen.h"
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 
 namespace raylign {
-
-/// Predicted minus observed pixel of every observation, (N, 2) px. No cheirality test: a point
-/// behind its camera projects through the centre, as in the reference cost. NaN where the camera
-/// cannot project at all (BalCamera::project is false: on the plane P_z = 0, or overflow).
-Rows<double, 2> reprojection_residuals(const BalProblem& problem);
-
-/// −P_z of every observation, (N,) scene units: positive in front of the camera, which looks along
-/// −z.
-Rows<double, 1> depths(const BalProblem& problem);
-
-/// ½ Σ ‖r‖² over all observations, px².
-double reprojection_cost(const BalProblem& problem);
 
 /// Order statistics of a list of counts; all zero for an empty list.
 struct CountSummary {
@@ -51,12 +38,13 @@ struct ProblemStatistics {
   std::int64_t num_underconstrained_points = 0;   ///< Points with fewer than 2 observations.
   std::int64_t num_underconstrained_cameras = 0;  ///< Cameras with fewer than 3 observations.
   std::int64_t num_duplicate_observations = 0;    ///< Repeats of an earlier (camera, point) pair.
-  std::int64_t num_non_positive_focal = 0;        ///< Cameras with f <= 0 (mirrored data has them).
+  std::int64_t num_non_positive_focal =
+      0;  ///< Cameras with f (fx or fy) <= 0; mirrored data has them.
 };
 
-/// Counts, track lengths and reprojection errors. Throws ShapeError if `problem` is not valid.
+/// Counts, track lengths and reprojection errors.
 /// The three error figures leave out the `num_non_finite` observations, so they are always finite.
-ProblemStatistics statistics(const BalProblem& problem);
+ProblemStatistics statistics(const BundleScene& scene);
 
 /// Positions i of observations whose (camera, point) pair occurred before, ascending, each with the
 /// position of the first occurrence. O(C + P + N) time and memory.
@@ -64,6 +52,6 @@ struct DuplicateObservation {
   std::int64_t first;
   std::int64_t repeat;
 };
-std::vector<DuplicateObservation> duplicate_observations(const BalProblem& problem);
+std::vector<DuplicateObservation> duplicate_observations(const BundleScene& scene);
 
 }  // namespace raylign

@@ -110,15 +110,6 @@ NormalizedProblem normalize(const BalProblem& problem, double extent) {
   return result;
 }
 
-Rows<double, 3> camera_centers(const BalProblem& problem) {
-  Rows<double, 3> centers(problem.num_cameras(), 3);
-  for (Eigen::Index c = 0; c < centers.rows(); ++c) {
-    const Vector3 t_cw = problem.cameras.row(c).segment<3>(3).transpose();
-    centers.row(c) = -(rotation_of(problem, c).transpose() * t_cw).transpose();
-  }
-  return centers;
-}
-
 Rows<double, 16> camera_poses(const BalProblem& problem) {
   Rows<double, 16> poses(problem.num_cameras(), 16);
   for (Eigen::Index c = 0; c < poses.rows(); ++c) {

@@ -39,9 +39,6 @@ struct NormalizedProblem {
 /// 0.
 NormalizedProblem normalize(const BalProblem& problem, double extent = 100.0);
 
-/// Optical centres c_w = −R_cwᵀ t_cw, (C, 3) world frame.
-Rows<double, 3> camera_centers(const BalProblem& problem);
-
 /// World-to-camera poses, row-major 4x4 each, (C, 16): p_c = T_cw p_w, camera axes of the file (−z
 /// ahead).
 Rows<double, 16> camera_poses(const BalProblem& problem);

@@ -2,23 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/solver/bundle_config.h"
 
-#include <array>
-
 #include "raylign/base/error.h"
 
 namespace raylign {
 namespace {
 
-using Names = std::array<const char*, 4>;
-
-Names coordinate_names(ParameterKind kind) {
+CoordinateNames coordinate_names(ParameterKind kind, const CoordinateNames& intrinsics) {
   switch (kind) {
     case ParameterKind::POSE:
       return {"tx", "ty", "tz", "rotation"};
     case ParameterKind::INTRINSICS:
-      return {"f", "k1", "k2", nullptr};
+      return intrinsics;
     case ParameterKind::POINT:
-      return {"x", "y", "z", nullptr};
+      return {"x", "y", "z"};
   }
   return {};
 }
@@ -36,10 +32,17 @@ void check_indices(const std::vector<std::int32_t>& indices,
 
 }  // namespace
 
-int coordinate_offset(ParameterKind kind, const std::string& coordinate) {
-  const Names names = coordinate_names(kind);
+const CoordinateNames& any_intrinsics() {
+  static const CoordinateNames names = {"f", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+  return names;
+}
+
+int coordinate_offset(ParameterKind kind,
+                      const std::string& coordinate,
+                      const CoordinateNames& intrinsics) {
+  const CoordinateNames names = coordinate_names(kind, intrinsics);
   std::string known;
-  for (std::size_t i = 0; i < names.size() && names[i] != nullptr; ++i) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
     if (coordinate == names[i]) return static_cast<int>(i);
     known += std::string(known.empty() ? "" : ", ") + names[i];
   }
@@ -47,12 +50,14 @@ int coordinate_offset(ParameterKind kind, const std::string& coordinate) {
                      " must be one of " + known + ", got '" + coordinate + "'");
 }
 
-void BundleConfig::validate(std::int64_t num_cameras, std::int64_t num_points) const {
+void BundleConfig::validate(std::int64_t num_cameras,
+                            std::int64_t num_points,
+                            const CoordinateNames& intrinsics) const {
   check_indices(constant_cameras, "constant_cameras", num_cameras);
   check_indices(constant_intrinsics, "constant_intrinsics", num_cameras);
   check_indices(constant_points, "constant_points", num_points);
   for (const ConstantCoordinate& constant : constant_coordinates) {
-    coordinate_offset(constant.kind, constant.coordinate);
+    coordinate_offset(constant.kind, constant.coordinate, intrinsics);
     if (constant.index == ConstantCoordinate::kAll) continue;
     check_indices({constant.index}, "constant_coordinates",
                   constant.kind == ParameterKind::POINT ? num_points : num_cameras);

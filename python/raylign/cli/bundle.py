@@ -161,7 +161,7 @@ def solve(
     console: Console,
     log: choices.LogStyle = choices.LogStyle.TABLE,
     normalize: bool = False,
-) -> BundleResult:
+) -> BundleResult[BalProblem]:
     """Run `adjust` with a live display, in normalised coordinates when asked to."""
     import numpy as np
 
@@ -194,7 +194,7 @@ def warn_of_unused_options(context: typer.Context, num_cameras: int) -> None:
 
 def finish(
     before: BalProblem,
-    result: BundleResult,
+    result: BundleResult[BalProblem],
     outputs: Outputs,
     console: Console,
     *,
@@ -246,7 +246,7 @@ def finish(
         raise typer.Exit(EXIT_INTERRUPTED)
 
 
-def _say_statistics(before: BalProblem, result: BundleResult, console: Console) -> None:
+def _say_statistics(before: BalProblem, result: BundleResult[BalProblem], console: Console) -> None:
     old, new = before.statistics(), result.problem.statistics()
     text = (
         f"RMSE {old.rmse:.4g} -> {new.rmse:.4g} px per coordinate, "

@@ -1,5 +1,7 @@
 """Cost against time and against iterations."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,7 +14,7 @@ from raylign.viz import style
 
 
 @style.styled
-def plot_cost(summary: Summary | BundleResult, *, subtitle: str = "") -> Figure:
+def plot_cost(summary: Summary | BundleResult[Any], *, subtitle: str = "") -> Figure:
     """Draw how the cost fell: against wall time, against iterations, and what the solver saw.
 
     Args:

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "camera/cameras.h"
 #include "raylign/geometry/se3.h"
 #include "support/eigen_matchers.h"
 #include "support/named_rng.h"
@@ -32,9 +33,10 @@ void transform(const T* pose, const T x_bar[3], const T& w, T p_c[3]) {
   for (int k = 0; k < 3; ++k) p_c[k] += w * t[k];
 }
 
-template <typename T>
+template <typename Camera, typename T>
 void project(const T* intrinsics, const T* p_c, const Vector2& observed, T* residual) {
-  bal_project(intrinsics, p_c, residual);
+  test::plain_project(Camera(typename Camera::Params(Camera::Params::Ones())), intrinsics, p_c,
+                      residual);
   residual[0] -= observed[0];
   residual[1] -= observed[1];
 }
@@ -42,7 +44,7 @@ void project(const T* intrinsics, const T* p_c, const Vector2& observed, T* resi
 // Homogeneous points are tested in a frame that is neither centred nor of unit scale.
 const HomogeneousFrame kFrame{Vector3(1.0, -2.0, 0.5), 3.0};
 
-template <int PoseSize, int PointSize>
+template <typename Camera, int PoseSize, int PointSize>
 struct ReprojectionFunctor {
   Vector2 observed;
   template <typename T>
@@ -54,12 +56,12 @@ struct ReprojectionFunctor {
     }
     T p_c[3];
     transform<PoseSize>(pose, x_bar, w, p_c);
-    project(intrinsics, p_c, observed, residual);
+    project<Camera>(intrinsics, p_c, observed, residual);
     return true;
   }
 };
 
-template <int PoseSize>
+template <typename Camera, int PoseSize>
 struct InverseDepthFunctor {
   Vector2 observed;
   template <typename T>
@@ -67,7 +69,7 @@ struct InverseDepthFunctor {
       const T* pose, const T* intrinsics, const T* point, const T* host, T* residual) const {
     const T* t_h = host + PoseSize - 3;
     const T s[3] = {point[0] - point[2] * t_h[0], point[1] - point[2] * t_h[1],
-                    T(-1.0) - point[2] * t_h[2]};
+                    T(Camera::kViewZ) - point[2] * t_h[2]};
     T inverse_host[PoseSize];  // R_hᵀ
     for (int k = 0; k < PoseSize; ++k) inverse_host[k] = T(0.0);
     for (int k = 0; k < 3; ++k) inverse_host[k] = -host[k];
@@ -76,17 +78,18 @@ struct InverseDepthFunctor {
     transform<PoseSize>(inverse_host, s, T(0.0), x_bar);
     T p_c[3];
     transform<PoseSize>(pose, x_bar, point[2], p_c);
-    project(intrinsics, p_c, observed, residual);
+    project<Camera>(intrinsics, p_c, observed, residual);
     return true;
   }
 };
 
+template <typename Camera>
 struct InverseDepthHostFunctor {
   Vector2 observed;
   template <typename T>
   bool operator()(const T* intrinsics, const T* point, T* residual) const {
-    const T p_c[3] = {point[0], point[1], T(-1.0)};
-    project(intrinsics, p_c, observed, residual);
+    const T p_c[3] = {point[0], point[1], T(Camera::kViewZ)};
+    project<Camera>(intrinsics, p_c, observed, residual);
     return true;
   }
 };
@@ -106,21 +109,47 @@ Vector3 random_rotation(test::NamedRng& rng, int index) {
   }
 }
 
+// Distortion that grows for ever: no state lies beyond a fold.
+BalCamera::Params random_params(test::NamedRng& rng, CameraType<BalCamera> /*type*/) {
+  return {rng.uniform(200, 1500), rng.normal(0.2), rng.normal(0.1)};
+}
+
+PinholeCamera::Params random_params(test::NamedRng& rng, CameraType<PinholeCamera> /*type*/) {
+  return {rng.uniform(200, 1500), rng.uniform(200, 1500), rng.normal(400), rng.normal(300)};
+}
+
+RadtanCamera::Params random_params(test::NamedRng& rng, CameraType<RadtanCamera> /*type*/) {
+  RadtanCamera::Params params;
+  params << random_params(rng, CameraType<PinholeCamera>{}), std::abs(rng.normal(0.2)),
+      std::abs(rng.normal(0.1)), rng.normal(0.01), rng.normal(0.01), std::abs(rng.normal(0.01));
+  return params;
+}
+
+template <typename Camera>
 struct State {
-  Vector3 omega, t, omega_h, t_h, intrinsics, p_c;
+  Vector3 omega, t, omega_h, t_h, p_c;
+  typename Camera::Params intrinsics;
   Vector2 observed;
+
+  std::vector<double> intrinsics_block() const {
+    return {intrinsics.data(), intrinsics.data() + Camera::kNumParams};
+  }
+  Vector3 world_point() const { return so3_exp(omega).transpose() * (p_c - t); }
 };
 
-State random_state(int index) {
+template <typename Camera>
+State<Camera> random_state(int index) {
   auto rng = test::make_rng("cost functions", index);
-  State s;
+  State<Camera> s;
   s.omega = random_rotation(rng, index);
   s.omega_h = random_rotation(rng, index / 5);
   s.t = rng.normal_vector<3>(2.0);
   s.t_h = rng.normal_vector<3>(2.0);
-  s.intrinsics = {rng.uniform(200, 1500), rng.normal(0.2), rng.normal(0.1)};
-  const double side = index % 4 == 0 ? 1.0 : -1.0;  // every fourth point lies behind the camera
-  s.p_c = {rng.normal(1.0), rng.normal(1.0), side * rng.uniform(0.5, 30.0)};
+  s.intrinsics = random_params(rng, CameraType<Camera>{});
+  // every fourth point lies behind a BAL camera, whose cost has no cheirality test
+  const bool behind = Camera::kViewZ < 0.0 && index % 4 == 0;
+  const double z = rng.uniform(0.5, 30.0) * (behind ? -Camera::kViewZ : Camera::kViewZ);
+  s.p_c = {rng.normal(1.0), rng.normal(1.0), z};
   s.observed = rng.normal_vector<2>(300.0);
   return s;
 }
@@ -131,8 +160,6 @@ std::vector<double> pose_block(const Vector3& omega, const Vector3& t) {
   Pose::from_angle_axis(omega, t, block.data());
   return block;
 }
-
-Vector3 world_point(const State& s) { return so3_exp(s.omega).transpose() * (s.p_c - s.t); }
 
 // Evaluates both and compares residuals and every Jacobian block, each relative to its largest
 // entry.
@@ -165,73 +192,92 @@ void expect_equal(const ceres::CostFunction& ours,
   }
 }
 
-template <typename Pose>
+template <typename C, typename P>
+struct Models {
+  using Camera = C;
+  using Pose = P;
+};
+
+template <typename M>
 class CostFunctions : public testing::Test {};
-using PoseTypes = testing::Types<QuaternionPose, AngleAxisPose>;
-TYPED_TEST_SUITE(CostFunctions, PoseTypes);
+using AllModels = testing::Types<Models<BalCamera, QuaternionPose>,
+                                 Models<BalCamera, AngleAxisPose>,
+                                 Models<PinholeCamera, QuaternionPose>,
+                                 Models<PinholeCamera, AngleAxisPose>,
+                                 Models<RadtanCamera, QuaternionPose>,
+                                 Models<RadtanCamera, AngleAxisPose>>;
+TYPED_TEST_SUITE(CostFunctions, AllModels);
 
 TYPED_TEST(CostFunctions, XyzJacobiansEqualAutodiff) {
-  using Functor = ReprojectionFunctor<TypeParam::kSize, 3>;
+  using Camera = typename TypeParam::Camera;
+  using Pose = typename TypeParam::Pose;
+  using Functor = ReprojectionFunctor<Camera, Pose::kSize, 3>;
   for (int i = 0; i < kNumStates; ++i) {
-    const State s = random_state(i);
-    const Vector3 x = world_point(s);
-    const ReprojectionCost<TypeParam, XyzPoint> ours(s.observed);
-    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 3> autodiff(
+    const auto s = random_state<Camera>(i);
+    const Vector3 x = s.world_point();
+    const ReprojectionCost<Camera, Pose, XyzPoint> ours(s.observed);
+    const ceres::AutoDiffCostFunction<Functor, 2, Pose::kSize, Camera::kNumParams, 3> autodiff(
         new Functor{s.observed});
     expect_equal(ours, autodiff,
-                 {pose_block<TypeParam>(s.omega, s.t),
-                  {s.intrinsics.data(), s.intrinsics.data() + 3},
-                  {x.data(), x.data() + 3}},
+                 {pose_block<Pose>(s.omega, s.t), s.intrinsics_block(), {x.data(), x.data() + 3}},
                  i);
   }
 }
 
 TYPED_TEST(CostFunctions, HomogeneousJacobiansEqualAutodiff) {
-  using Functor = ReprojectionFunctor<TypeParam::kSize, 4>;
+  using Camera = typename TypeParam::Camera;
+  using Pose = typename TypeParam::Pose;
+  using Functor = ReprojectionFunctor<Camera, Pose::kSize, 4>;
   for (int i = 0; i < kNumStates; ++i) {
-    const State s = random_state(i);
-    Vector4 x = Vector3((world_point(s) - kFrame.center) / kFrame.scale).homogeneous();
-    if (i % 7 == 0) x = -x;                                          // w < 0
-    if (i % 7 == 1) x << so3_exp(s.omega).transpose() * s.p_c, 0.0;  // at infinity
+    const auto s = random_state<Camera>(i);
+    // every seventh point lies beyond infinity, every seventh at infinity
+    const double w = i % 7 == 0 ? -0.4 : i % 7 == 1 ? 0.0 : 1.0;
+    const Vector3 x_bar = so3_exp(s.omega).transpose() * (s.p_c - w * s.t);
+    Vector4 x;
+    x << (x_bar - w * kFrame.center) / kFrame.scale, w;
     x.normalize();
-    const ReprojectionCost<TypeParam, HomogeneousPoint> ours(s.observed, HomogeneousPoint(kFrame));
-    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 4> autodiff(
+    const ReprojectionCost<Camera, Pose, HomogeneousPoint> ours(s.observed,
+                                                                HomogeneousPoint(kFrame));
+    const ceres::AutoDiffCostFunction<Functor, 2, Pose::kSize, Camera::kNumParams, 4> autodiff(
         new Functor{s.observed});
     expect_equal(ours, autodiff,
-                 {pose_block<TypeParam>(s.omega, s.t),
-                  {s.intrinsics.data(), s.intrinsics.data() + 3},
-                  {x.data(), x.data() + 4}},
+                 {pose_block<Pose>(s.omega, s.t), s.intrinsics_block(), {x.data(), x.data() + 4}},
                  i);
   }
 }
 
 TYPED_TEST(CostFunctions, InverseDepthJacobiansEqualAutodiff) {
-  using Functor = InverseDepthFunctor<TypeParam::kSize>;
+  using Camera = typename TypeParam::Camera;
+  using Pose = typename TypeParam::Pose;
+  using Functor = InverseDepthFunctor<Camera, Pose::kSize>;
   for (int i = 0; i < kNumStates; ++i) {
-    const State s = random_state(i);
-    const Vector3 p_h = so3_exp(s.omega_h) * world_point(s) + s.t_h;
-    const std::vector<double> point = {-p_h.x() / p_h.z(), -p_h.y() / p_h.z(), -1.0 / p_h.z()};
-    const InverseDepthCost<TypeParam> ours(s.observed);
-    const ceres::AutoDiffCostFunction<Functor, 2, TypeParam::kSize, 3, 3, TypeParam::kSize>
+    auto s = random_state<Camera>(i);
+    const Vector3 rotated = so3_exp(s.omega_h) * s.world_point();
+    s.t_h.z() = 2.0 * Camera::kViewZ - rotated.z();  // in front of the host
+    const Vector3 p_h = rotated + s.t_h;
+    const double rho = Camera::kViewZ / p_h.z();
+    const InverseDepthCost<Camera, Pose> ours(s.observed);
+    const ceres::AutoDiffCostFunction<Functor, 2, Pose::kSize, Camera::kNumParams, 3, Pose::kSize>
         autodiff(new Functor{s.observed});
     expect_equal(ours, autodiff,
-                 {pose_block<TypeParam>(s.omega, s.t),
-                  {s.intrinsics.data(), s.intrinsics.data() + 3},
-                  point,
-                  pose_block<TypeParam>(s.omega_h, s.t_h)},
+                 {pose_block<Pose>(s.omega, s.t),
+                  s.intrinsics_block(),
+                  {rho * p_h.x(), rho * p_h.y(), rho},
+                  pose_block<Pose>(s.omega_h, s.t_h)},
                  i);
   }
 }
 
-TEST(InverseDepthHostCost, JacobiansEqualAutodiff) {
+TYPED_TEST(CostFunctions, InverseDepthHostJacobiansEqualAutodiff) {
+  using Camera = typename TypeParam::Camera;
+  using Functor = InverseDepthHostFunctor<Camera>;
   for (int i = 0; i < kNumStates; ++i) {
-    const State s = random_state(i);
-    const InverseDepthHostCost ours(s.observed);
-    const ceres::AutoDiffCostFunction<InverseDepthHostFunctor, 2, 3, 3> autodiff(
-        new InverseDepthHostFunctor{s.observed});
-    expect_equal(ours, autodiff,
-                 {{s.intrinsics.data(), s.intrinsics.data() + 3},
-                  {-s.p_c.x() / s.p_c.z(), -s.p_c.y() / s.p_c.z(), -1.0 / s.p_c.z()}},
+    const auto s = random_state<Camera>(i);
+    const double rho = Camera::kViewZ / s.p_c.z();
+    const InverseDepthHostCost<Camera> ours(s.observed);
+    const ceres::AutoDiffCostFunction<Functor, 2, Camera::kNumParams, 3> autodiff(
+        new Functor{s.observed});
+    expect_equal(ours, autodiff, {s.intrinsics_block(), {rho * s.p_c.x(), rho * s.p_c.y(), rho}},
                  i);
   }
 }

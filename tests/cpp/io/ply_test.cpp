@@ -9,7 +9,7 @@
 #include <string>
 
 #include "raylign/base/error.h"
-#include "raylign/scene/bal_transform.h"
+#include "raylign/scene/bundle_scene.h"
 #include "support/eigen_matchers.h"
 #include "support/small_problem.h"
 

@@ -11,10 +11,6 @@ namespace {
 
 using MapRows = Eigen::Map<Eigen::Matrix<double, 9, kRow, Eigen::RowMajor>>;
 
-int count_free(const CoordinateMask& mask) {
-  return static_cast<int>(std::count(mask.begin(), mask.end(), false));
-}
-
 // [ω; δc] of a pose step [υ; φ]: ω = Rᵀφ; c = −Rᵀt moves by −Rᵀυ, and by −Rᵀ[t]×φ more where the
 // rotation leaves t alone.
 Matrix6 canonical_from_left(TranslationUpdate update, const Matrix3& R, const Vector3& t) {

@@ -1,0 +1,1 @@
+raylign_add_test(parametrization homogeneous_test.cpp)
