@@ -357,6 +357,90 @@ def test_no_step_takes_a_point_behind_its_camera(model):
     assert result.problem.depths().min() > 0.0
 
 
-def test_the_native_engine_says_what_it_does_not_take(noisy):
-    with pytest.raises(raylign.OptionsError, match=r"BundleOptions\.backend"):
+# --- the native engine ---------------------------------------------------------------------------
+
+
+def three_free(model: CameraModel) -> BundleConfig:
+    """At most three free intrinsics: what the native engine moves."""
+    free = {CameraModel.PINHOLE: ["fx", "fy"], CameraModel.RADTAN: ["fx", "fy", "k1"]}
+    names = param_names(model)
+    return BundleConfig(
+        constant_coordinates=[
+            ConstantCoordinate(kind=ParameterKind.INTRINSICS, coordinate=name)
+            for name in names
+            if name not in free.get(model, names)
+        ]
+    )
+
+
+@pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
+@pytest.mark.parametrize("point", ["xyz", "homogeneous"])
+def test_both_engines_walk_the_same_path(noisy, model, pose, point):
+    options = BundleOptions(pose_parametrization=pose, point_parametrization=point)
+    ceres, native = (
+        bundle.adjust(noisy, config=three_free(model), options=options.replace(backend=backend))
+        for backend in (Backend.CERES, Backend.NATIVE)
+    )
+    costs = native.summary.iterations["cost"], ceres.summary.iterations["cost"]
+    count = min(map(len, costs))
+    assert count >= 3
+    np.testing.assert_allclose(costs[0][:count], costs[1][:count], rtol=1e-8)
+    assert native.summary.final_cost == pytest.approx(ceres.summary.final_cost, rel=1e-6)
+    assert native.problem.cost() == pytest.approx(native.summary.final_cost, rel=1e-10)
+    parameters = [s.num_effective_parameters for s in (native.summary, ceres.summary)]
+    assert parameters[0] == parameters[1]
+
+
+def test_native_holds_what_is_held_and_gives_the_same_bits(noisy, model):
+    config = three_free(model).replace(
+        constant_cameras=[3], constant_intrinsics=[2], constant_points=[7]
+    )
+    results = [
+        bundle.adjust(
+            noisy,
+            config=config,
+            options=BundleOptions(backend=Backend.NATIVE, lm=LmOptions(num_threads=threads)),
+        )
+        for threads in (1, 2, 4)
+    ]
+    assert results[0].problem == results[1].problem == results[2].problem
+    refined = results[0].problem
+    assert np.array_equal(refined.T_cw[3], noisy.T_cw[3])
+    assert np.array_equal(refined.points[7], noisy.points[7])
+    assert np.array_equal(refined.intrinsics[2], noisy.intrinsics[2])
+    assert np.all(refined.intrinsics[[0, 1, 3], 0] != noisy.intrinsics[[0, 1, 3], 0])
+    held = 2 if model is CameraModel.PINHOLE else 5
+    if model is not CameraModel.BAL:
+        assert np.array_equal(refined.intrinsics[:, held:], noisy.intrinsics[:, held:])
+
+
+def test_native_recovers_the_truth_of_calibrated_cameras(truth):
+    start = perturb(truth)
+    start.intrinsics[:] = truth.intrinsics
+    config = BundleConfig(gauge=Gauge.TWO_CAMERAS, constant_intrinsics=range(6))
+    options = BundleOptions(backend=Backend.NATIVE, lm=TIGHT)
+    result = bundle.adjust(start, config=config, options=options)
+    assert result.problem.cost() < 1e-16
+    centers, true = result.problem.camera_centers(), truth.camera_centers()
+    S = geometry.umeyama(centers, true)
+    np.testing.assert_allclose(centers @ S[:3, :3].T + S[:3, 3], true, atol=1e-8)
+
+
+def test_native_refuses_a_start_behind_the_camera_in_the_same_words(behind, model):
+    summaries = [
+        bundle.adjust(
+            behind, config=three_free(model), options=BundleOptions(backend=backend)
+        ).summary
+        for backend in Backend
+    ]
+    if model is CameraModel.BAL:
+        assert all(s.is_usable() for s in summaries)
+        return
+    assert [s.termination for s in summaries] == [Termination.FAILURE] * 2
+    assert summaries[0].message == summaries[1].message
+
+
+@pytest.mark.parametrize("model", [CameraModel.PINHOLE, CameraModel.RADTAN], ids=lambda m: m.name)
+def test_native_says_how_many_intrinsics_it_moves(noisy):
+    with pytest.raises(raylign.OptionsError, match="at most 3 intrinsics"):
         bundle.adjust(noisy, options=BundleOptions(backend=Backend.NATIVE))

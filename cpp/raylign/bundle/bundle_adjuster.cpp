@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/bundle/bundle_adjuster.h"
 
-#include "raylign/base/error.h"
 #include "raylign/bundle/native/solve.h"
 #include "raylign/ceres_backend/solve.h"
 
@@ -19,13 +18,27 @@ void validate(const Problem& problem, const BundleConfig& config, const BundleOp
   options.validate();
 }
 
+Summary solve(BundleScene& scene,
+              const BundleConfig& config,
+              const BundleOptions& options,
+              const IterationCallback& callback) {
+  switch (options.backend) {
+    case Backend::NATIVE:
+      return native::solve(scene, config, options, callback);
+    case Backend::CERES:
+      break;
+  }
+  return ceres_backend::solve(scene, config, options, callback);
+}
+
 template <typename Problem>
-Summary solve_through_ceres(Problem& problem,
-                            const BundleConfig& config,
-                            const BundleOptions& options,
-                            const IterationCallback& callback) {
+Summary adjust_in_scene(Problem& problem,
+                        const BundleConfig& config,
+                        const BundleOptions& options,
+                        const IterationCallback& callback) {
+  validate(problem, config, options);
   BundleScene scene(problem);
-  const Summary summary = ceres_backend::solve(scene, config, options, callback);
+  const Summary summary = solve(scene, config, options, callback);
   scene.store(problem);
   return summary;
 }
@@ -36,25 +49,14 @@ Summary adjust(BalProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
                const IterationCallback& callback) {
-  validate(problem, config, options);
-  switch (options.backend) {
-    case Backend::NATIVE:
-      return native::solve(problem, config, options, callback);
-    case Backend::CERES:
-      break;
-  }
-  return solve_through_ceres(problem, config, options, callback);
+  return adjust_in_scene(problem, config, options, callback);
 }
 
 Summary adjust(BundleProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
                const IterationCallback& callback) {
-  validate(problem, config, options);
-  if (options.backend == Backend::NATIVE) {
-    throw OptionsError("BundleOptions.backend must be CERES for a BundleProblem, got native");
-  }
-  return solve_through_ceres(problem, config, options, callback);
+  return adjust_in_scene(problem, config, options, callback);
 }
 
 Linearization linearize(const BalProblem& problem,

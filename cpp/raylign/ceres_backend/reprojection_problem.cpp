@@ -6,7 +6,6 @@
 
 #include <deque>
 
-#include "raylign/base/error.h"
 #include "raylign/ceres_backend/cost_functions.h"
 #include "raylign/ceres_backend/parameter_state.h"
 #include "raylign/ceres_backend/pose_manifold.h"
@@ -33,17 +32,6 @@ std::vector<int> held_offsets(const std::array<bool, N>& mask, int size) {
     if (mask[k]) offsets.push_back(k);
   }
   return offsets;
-}
-
-void check_point_constants(const Constants& held, PointParametrization parametrization) {
-  if (parametrization == PointParametrization::XYZ) return;
-  for (const CoordinateMask& mask : held.points) {
-    if (all_held(mask) || count_free(mask) == 3) continue;
-    throw OptionsError(
-        "BundleConfig.constant_coordinates holds single coordinates of a point, which "
-        "needs point_parametrization XYZ, got " +
-        to_string(parametrization));
-  }
 }
 
 template <typename Camera, typename Pose>

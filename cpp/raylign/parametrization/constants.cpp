@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/parametrization/constants.h"
 
+#include "raylign/base/error.h"
 #include "raylign/geometry/so3.h"
 
 namespace raylign {
@@ -102,6 +103,17 @@ Constants resolve_constants(const BundleScene& scene, const BundleConfig& config
   }
   hold_gauge(scene, config.gauge, held);
   return held;
+}
+
+void check_point_constants(const Constants& held, PointParametrization parametrization) {
+  if (parametrization == PointParametrization::XYZ) return;
+  for (const CoordinateMask& mask : held.points) {
+    if (all_held(mask) || count_free(mask) == 3) continue;
+    throw OptionsError(
+        "BundleConfig.constant_coordinates holds single coordinates of a point, which "
+        "needs point_parametrization XYZ, got " +
+        to_string(parametrization));
+  }
 }
 
 }  // namespace raylign

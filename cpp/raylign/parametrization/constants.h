@@ -10,6 +10,7 @@
 #include "raylign/parametrization/pose_update.h"
 #include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_config.h"
+#include "raylign/solver/bundle_options.h"
 
 namespace raylign {
 
@@ -37,5 +38,8 @@ struct Constants {
 
 /// Cameras without observations do not serve as gauge cameras.
 Constants resolve_constants(const BundleScene& scene, const BundleConfig& config);
+
+/// Throws OptionsError when single coordinates of a point are held and points are not XYZ.
+void check_point_constants(const Constants& held, PointParametrization parametrization);
 
 }  // namespace raylign

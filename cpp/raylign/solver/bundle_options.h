@@ -12,8 +12,8 @@ namespace raylign {
 /// Which engine solves.
 enum class Backend {
   CERES,   ///< Ceres Solver with hand-written Jacobians: every option
-  NATIVE,  ///< raylign's own Schur-complement engine: XYZ points; fast, same bits on any number
-           ///< of threads
+  NATIVE,  ///< raylign's own Schur-complement engine: XYZ and homogeneous points; fast, same bits
+           ///< on any number of threads
 };
 
 /// How a camera pose moves. The cost, the optimum and the undamped Gauss-Newton step are the same

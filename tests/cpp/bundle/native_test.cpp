@@ -26,11 +26,13 @@ struct Setting {
   Gauge gauge = Gauge::FREE;
   LossType loss = LossType::TRIVIAL;
   bool held_points = false;
+  PointParametrization point = PointParametrization::XYZ;
 };
 
 BundleOptions options_of(const Setting& setting) {
   BundleOptions options;
   options.pose_parametrization = setting.pose;
+  options.point_parametrization = setting.point;
   options.loss = {setting.loss, 1.5};
   options.linear_solver.type = LinearSolverType::DENSE_SCHUR;
   return options;
@@ -45,6 +47,9 @@ BundleConfig config_of(const Setting& setting) {
                                    {ParameterKind::POSE, 1, "tx"},
                                    {ParameterKind::POSE, 2, "rotation"},
                                    {ParameterKind::INTRINSICS, 3, "k2"}};
+    if (setting.point != PointParametrization::XYZ) {  // a sphere has no single coordinates
+      config.constant_coordinates.erase(config.constant_coordinates.begin());
+    }
     config.constant_cameras = {4};
   }
   return config;
@@ -131,7 +136,13 @@ INSTANTIATE_TEST_SUITE_P(
                             LossType::CAUCHY},
                     Setting{"held", PoseParametrization::SE3, Gauge::FREE, LossType::HUBER, true},
                     Setting{"held_angle_axis", PoseParametrization::ANGLE_AXIS, Gauge::FIRST_CAMERA,
-                            LossType::TRIVIAL, true}),
+                            LossType::TRIVIAL, true},
+                    Setting{"homogeneous", PoseParametrization::SE3, Gauge::FREE, LossType::TRIVIAL,
+                            false, PointParametrization::HOMOGENEOUS},
+                    Setting{"homogeneous_angle_axis", PoseParametrization::ANGLE_AXIS, Gauge::FREE,
+                            LossType::CAUCHY, false, PointParametrization::HOMOGENEOUS},
+                    Setting{"homogeneous_held", PoseParametrization::QUATERNION, Gauge::TWO_CAMERAS,
+                            LossType::HUBER, true, PointParametrization::HOMOGENEOUS}),
     [](const auto& instance) { return instance.param.name; });
 
 // --- the path of Ceres, cost by cost -------------------------------------------------------------
@@ -301,7 +312,7 @@ TEST(Native, RefusesWhatItDoesNotDo) {
   BalProblem problem = test::small_problem();
   BundleOptions options;
   options.backend = Backend::NATIVE;
-  options.point_parametrization = PointParametrization::HOMOGENEOUS;
+  options.point_parametrization = PointParametrization::INVERSE_DEPTH;
   EXPECT_THROW(adjust(problem, {}, options), OptionsError);
   options.point_parametrization = PointParametrization::XYZ;
   LinearSolverOptions& solver = options.linear_solver;

@@ -25,23 +25,29 @@ Matrix6 canonical_from_left(TranslationUpdate update, const Matrix3& R, const Ve
 
 }  // namespace
 
-CameraBlocks::CameraBlocks(const BalProblem& problem,
+CameraBlocks::CameraBlocks(const BundleScene& scene,
                            PoseParametrization parametrization,
                            const Constants& held,
-                           const std::vector<bool>& observed)
-    : parametrization_(parametrization), held_(held), offsets_{0} {
-  const auto count = static_cast<int>(problem.num_cameras());
+                           const std::vector<bool>& observed,
+                           const HomogeneousFrame& frame)
+    : model_(scene.camera_model),
+      num_intrinsics_(scene.num_intrinsics()),
+      parametrization_(parametrization),
+      frame_(frame),
+      held_(held),
+      offsets_{0} {
+  const auto count = static_cast<int>(scene.num_cameras());
   maps_.assign(count, Block{});
   for (int i = 0; i < count; ++i) {
-    const auto row = problem.cameras.row(i);
-    const Vector3 omega = row.head<3>().transpose();
-    initial_.push_back(
-        {quaternion_exp(omega), omega, row.segment<3>(3).transpose(), row.tail<3>().transpose()});
+    const Vector3 omega = scene.omega.row(i).transpose();
+    IntrinsicsVector intrinsics = IntrinsicsVector::Zero();
+    intrinsics.head(num_intrinsics_) = scene.intrinsics.row(i).transpose();
+    initial_.push_back({quaternion_exp(omega), omega, scene.t.row(i).transpose(), intrinsics});
     const int columns = num_pose_columns(i) + count_free(held_.intrinsics[i]);
     offsets_.push_back(offsets_.back() + (observed[i] ? columns : 0));
   }
   cameras_ = trial_ = initial_;
-  for (const Camera& camera : cameras_) packets_.push_back(packet(camera));
+  for (int i = 0; i < count; ++i) packets_.push_back(packet(i, cameras_[i]));
   trial_packets_ = packets_;
   for (int i = 0; i < count; ++i) update_map(i);
 }
@@ -56,13 +62,27 @@ Matrix3 CameraBlocks::rotation(const Camera& camera) const {
   return is_angle_axis() ? so3_exp(camera.omega) : Matrix3(camera.q.toRotationMatrix());
 }
 
-CameraPacket CameraBlocks::packet(const Camera& camera) const {
-  CameraPacket packet;
+// Which parameter stands in which column of I.
+void CameraBlocks::set_columns(int i, std::int32_t* columns) const {
+  std::fill_n(columns, 3, -1);
+  for (int k = 0, next = 0; k < num_intrinsics_; ++k) {
+    if (model_ == CameraModel::BAL || !held_.intrinsics[i][k]) columns[next++] = k;
+  }
+}
+
+CameraPacket CameraBlocks::packet(int i, const Camera& camera) const {
+  CameraPacket packet{};
   Eigen::Map<RowMajor<3, 3>> R(packet.R);
   R = rotation(camera);
-  Eigen::Map<Vector3>{packet.t} = camera.t;
-  Eigen::Map<Vector3>{packet.c} = -(R.transpose() * camera.t);
-  Eigen::Map<Vector3>{packet.intrinsics} = camera.intrinsics;
+  Eigen::Map<Vector3>{packet.t} = (R * frame_.center + camera.t) / frame_.scale;
+  Eigen::Map<Vector3>{packet.c} = (-(R.transpose() * camera.t) - frame_.center) / frame_.scale;
+  Eigen::Map<IntrinsicsVector>{packet.intrinsics} = camera.intrinsics;
+  if (model_ == CameraModel::RADTAN) {
+    const auto& k = camera.intrinsics;
+    packet.max_radius_squared =
+        PolynomialDistortion{k[4], k[5], k[6], k[7], k[8]}.max_radius_squared();
+  }
+  set_columns(i, packet.columns);
   return packet;
 }
 
@@ -87,8 +107,10 @@ void CameraBlocks::update_map(int i) {
     column = static_cast<int>(E.cols());
     B.topLeftCorner(6, column) = M * E;
   }
-  for (int k = 0; k < 3; ++k) {
-    if (!held_.intrinsics[i][k]) B(6 + k, column++) = 1.0;
+  B.middleRows<3>(3) /= frame_.scale;
+  for (int row = 0; row < 3; ++row) {
+    const std::int32_t k = packets_[i].columns[row];
+    if (k >= 0 && !held_.intrinsics[i][k]) B(6 + row, column++) = 1.0;
   }
 }
 
@@ -115,7 +137,7 @@ CameraBlocks::Camera CameraBlocks::moved(int i, const double* delta) const {
     pose_plus(update(), mask, xi, camera.q, camera.t);
   }
   delta += num_pose;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < num_intrinsics_; ++k) {
     if (!held_.intrinsics[i][k]) camera.intrinsics[k] += *delta++;
   }
   return camera;
@@ -125,7 +147,7 @@ void CameraBlocks::try_step(const double* delta) {
   for (int i = 0; i < num_cameras(); ++i) {
     if (size(i) == 0) continue;
     trial_[i] = moved(i, delta + offset(i));
-    trial_packets_[i] = packet(trial_[i]);
+    trial_packets_[i] = packet(i, trial_[i]);
   }
 }
 
@@ -148,17 +170,16 @@ double CameraBlocks::squared_norm() const {
   return sum;
 }
 
-void CameraBlocks::write_back(BalProblem& problem) const {
+void CameraBlocks::write_back(BundleScene& scene) const {
   for (int i = 0; i < num_cameras(); ++i) {
     const Camera& camera = cameras_[i];
-    auto row = problem.cameras.row(i);
     if (is_angle_axis()) {
-      row.head<3>() = camera.omega.transpose();
+      scene.omega.row(i) = camera.omega.transpose();
     } else if (camera.q.coeffs() != initial_[i].q.coeffs()) {  // a held rotation keeps its digits
-      row.head<3>() = quaternion_log(camera.q).transpose();
+      scene.omega.row(i) = quaternion_log(camera.q).transpose();
     }
-    row.segment<3>(3) = camera.t.transpose();
-    row.tail<3>() = camera.intrinsics.transpose();
+    scene.t.row(i) = camera.t.transpose();
+    scene.intrinsics.row(i) = camera.intrinsics.head(num_intrinsics_).transpose();
   }
 }
 

@@ -6,67 +6,14 @@
 #include <type_traits>
 
 #include "raylign/base/clones.h"
-#include "raylign/bundle/native/kernel_math.h"
+#include "raylign/bundle/native/camera_kinds.h"
+#include "raylign/bundle/native/point_kinds.h"
 
 // GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#include "raylign/camera/bearing.h"
 
 namespace raylign::native {
 namespace {
-
-// P = R X + t.
-RAYLIGN_INLINE void transform(const CameraPacket& camera, const double* X, double* P) {
-  for (int k = 0; k < 3; ++k) P[k] = dot3(camera.R + 3 * k, X) + camera.t[k];
-}
-
-struct Projection {
-  double w;  // −1 / P_z
-  double x, y, r2, distortion;
-};
-
-// False when P lies in the camera's plane. The formulas of BalCamera::project.
-RAYLIGN_INLINE bool project(const CameraPacket& camera, const double* P, Projection& p) {
-  if (!(std::abs(P[2]) > kMinDepth * (std::abs(P[0]) + std::abs(P[1])))) return false;
-  p.w = -1.0 / P[2];
-  p.x = P[0] * p.w;
-  p.y = P[1] * p.w;
-  p.r2 = p.x * p.x + p.y * p.y;
-  p.distortion = 1.0 + p.r2 * (camera.intrinsics[1] + p.r2 * camera.intrinsics[2]);
-  return true;
-}
-
-RAYLIGN_INLINE void residual(const CameraPacket& camera,
-                             const Projection& p,
-                             const double* uv,
-                             double* r) {
-  const double scale = camera.intrinsics[0] * p.distortion;
-  r[0] = scale * p.x - uv[0];
-  r[1] = scale * p.y - uv[1];
-}
-
-// A = J_P R and I, unweighted.
-RAYLIGN_INLINE void jacobian(const CameraPacket& camera,
-                             const Projection& p,
-                             ObservationJacobian& J) {
-  const double f = camera.intrinsics[0];
-  const double a = f * p.distortion * p.w;
-  const double g = 2.0 * f * (camera.intrinsics[1] + 2.0 * camera.intrinsics[2] * p.r2) * p.w;
-  const double radial = a + g * p.r2;
-  const double xx = a + g * p.x * p.x;
-  const double xy = g * p.x * p.y;
-  const double yy = a + g * p.y * p.y;
-  const double* R = camera.R;
-  for (int k = 0; k < 3; ++k) {
-    J.A[k] = xx * R[k] + xy * R[3 + k] + radial * p.x * R[6 + k];
-    J.A[3 + k] = xy * R[k] + yy * R[3 + k] + radial * p.y * R[6 + k];
-  }
-  const double f_r2 = f * p.r2;
-  const double f_r4 = f_r2 * p.r2;
-  const double I[6] = {p.distortion * p.x, f_r2 * p.x, f_r4 * p.x,
-                       p.distortion * p.y, f_r2 * p.y, f_r4 * p.y};
-  for (int k = 0; k < 6; ++k) J.I[k] = I[k];
-}
 
 // Multiplies J and r by √ρ′ and returns ρ.
 RAYLIGN_INLINE double apply_loss(const Loss& loss, double s, ObservationJacobian& J, double* r) {
@@ -90,18 +37,22 @@ RAYLIGN_INLINE void add_landmark(const double* A, const double* r, LandmarkBlock
   for (int k = 0; k < 3; ++k) block.g[k] += A[k] * r[0] + b[k] * r[1];
 }
 
-// F = [a × A | −A | I] and r.
-RAYLIGN_INLINE void write_rows(const ObservationJacobian& J,
+// F = [a × A | −w A | I] and r.
+template <typename Point>
+RAYLIGN_INLINE void write_rows(Point kind,
+                               const ObservationJacobian& J,
                                const double* X,
                                const double* c,
                                const double* r,
                                CameraRows& rows) {
-  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
+  const double w = weight(kind, X);
+  double a[3];
+  ray(kind, X, c, a);
   for (int row = 0; row < 2; ++row) {
     double* f = rows.F[row];
     const double* A = J.A + 3 * row;
     cross(a, A, f);
-    for (int k = 0; k < 3; ++k) f[3 + k] = -A[k];
+    for (int k = 0; k < 3; ++k) f[3 + k] = -w * A[k];
     f[6] = J.I[3 * row];
     f[7] = J.I[3 * row + 1];
     rows.tail[row] = J.I[3 * row + 2];
@@ -110,7 +61,10 @@ RAYLIGN_INLINE void write_rows(const ObservationJacobian& J,
 }
 
 // One landmark: J, H, g, and F for the cameras. Adds to the cost; false when there is none.
-RAYLIGN_INLINE bool linearize_landmark(const Observations& observations,
+template <typename Point, typename Camera>
+RAYLIGN_INLINE bool linearize_landmark(Point kind,
+                                       Camera camera_kind,
+                                       const Observations& observations,
                                        std::int64_t j,
                                        const CameraPacket* packets,
                                        const double* X,
@@ -119,22 +73,26 @@ RAYLIGN_INLINE bool linearize_landmark(const Observations& observations,
                                        LandmarkBlock* blocks,
                                        CameraRows* rows,
                                        double& cost) {
+  const double* X_j = X + std::int64_t{Point::kStride} * j;
+  const Householder H = tangent_at(kind, X_j);
   LandmarkBlock block = {};
   for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
     const CameraPacket& camera = packets[observations.camera[q]];
     double P[3];
-    transform(camera, X + 3 * j, P);
-    Projection p;
-    if (!project(camera, P, p)) return false;
+    transform(kind, camera, X_j, P);
+    typename Camera::Projection p;
+    if (!project(camera_kind, camera, P, p)) return false;
     double r[2];
-    residual(camera, p, observations.uv + 2 * q, r);
+    residual(camera_kind, camera, p, observations.uv + 2 * q, r);
     ObservationJacobian J_q;
-    jacobian(camera, p, J_q);
+    jacobian(camera_kind, camera, p, J_q);
     const double s = r[0] * r[0] + r[1] * r[1];
     cost += loss == nullptr ? s : apply_loss(*loss, s, J_q, r);
     J[q] = J_q;
-    add_landmark(J_q.A, r, block);
-    write_rows(J_q, X + 3 * j, camera.c, r, *rows++);
+    double E[6];
+    point_rows(kind, H, J_q.A, camera.c, E);
+    add_landmark(E, r, block);
+    write_rows(kind, J_q, X_j, camera.c, r, *rows++);
   }
   blocks[j] = block;
   return true;
@@ -203,8 +161,10 @@ RAYLIGN_INLINE void add_camera(const CameraRows* rows,
   }
 }
 
-template <typename Width>
-RAYLIGN_INLINE double linearize_windows(const Observations& observations,
+template <typename Width, typename Point, typename Camera>
+RAYLIGN_INLINE double linearize_windows(Point kind,
+                                        Camera camera_kind,
+                                        const Observations& observations,
                                         std::int64_t begin,
                                         std::int64_t end,
                                         const CameraPacket* packets,
@@ -220,7 +180,10 @@ RAYLIGN_INLINE double linearize_windows(const Observations& observations,
     const std::int64_t first = observations.starts[observations.windows[w]];
     for (auto j = observations.windows[w]; j < observations.windows[w + 1]; ++j) {
       CameraRows* rows = scratch + (observations.starts[j] - first);
-      if (!linearize_landmark(observations, j, packets, X, loss, J, blocks, rows, cost)) return NAN;
+      if (!linearize_landmark(kind, camera_kind, observations, j, packets, X, loss, J, blocks, rows,
+                              cost)) {
+        return NAN;
+      }
     }
     const std::int32_t* places = observations.places + first;
     std::int32_t visited = 0;
@@ -234,6 +197,34 @@ RAYLIGN_INLINE double linearize_windows(const Observations& observations,
   return 0.5 * cost;
 }
 
+// The one switch over cameras.
+template <typename Width, typename Point>
+RAYLIGN_INLINE double linearize_points(Point kind,
+                                       const Observations& observations,
+                                       std::int64_t begin,
+                                       std::int64_t end,
+                                       const CameraPacket* packets,
+                                       const double* X,
+                                       const Loss* loss,
+                                       ObservationJacobian* J,
+                                       LandmarkBlock* blocks,
+                                       CameraSums* cameras,
+                                       std::int32_t first_camera,
+                                       CameraRows* scratch) {
+  switch (observations.camera_kind) {
+    case CameraKind::PINHOLE:
+      return linearize_windows<Width>(kind, PinholeKind{}, observations, begin, end, packets, X,
+                                      loss, J, blocks, cameras, first_camera, scratch);
+    case CameraKind::RADTAN:
+      return linearize_windows<Width>(kind, RadtanKind{}, observations, begin, end, packets, X,
+                                      loss, J, blocks, cameras, first_camera, scratch);
+    case CameraKind::BAL:
+      break;
+  }
+  return linearize_windows<Width>(kind, BalKind{}, observations, begin, end, packets, X, loss, J,
+                                  blocks, cameras, first_camera, scratch);
+}
+
 RAYLIGN_CLONES double narrow_body(const Observations& observations,
                                   std::int64_t begin,
                                   std::int64_t end,
@@ -245,8 +236,12 @@ RAYLIGN_CLONES double narrow_body(const Observations& observations,
                                   CameraSums* cameras,
                                   std::int32_t first_camera,
                                   CameraRows* scratch) {
-  return linearize_windows<Four>(observations, begin, end, packets, X, loss, J, blocks, cameras,
-                                 first_camera, scratch);
+  if (observations.point_kind == PointKind::HOMOGENEOUS) {
+    return linearize_points<Four>(HomogeneousPoint{}, observations, begin, end, packets, X, loss, J,
+                                  blocks, cameras, first_camera, scratch);
+  }
+  return linearize_points<Four>(XyzPoint{}, observations, begin, end, packets, X, loss, J, blocks,
+                                cameras, first_camera, scratch);
 }
 
 RAYLIGN_AVX512 double wide_body(const Observations& observations,
@@ -260,8 +255,118 @@ RAYLIGN_AVX512 double wide_body(const Observations& observations,
                                 CameraSums* cameras,
                                 std::int32_t first_camera,
                                 CameraRows* scratch) {
-  return linearize_windows<Eight>(observations, begin, end, packets, X, loss, J, blocks, cameras,
-                                  first_camera, scratch);
+  if (observations.point_kind == PointKind::HOMOGENEOUS) {
+    return linearize_points<Eight>(HomogeneousPoint{}, observations, begin, end, packets, X, loss,
+                                   J, blocks, cameras, first_camera, scratch);
+  }
+  return linearize_points<Eight>(XyzPoint{}, observations, begin, end, packets, X, loss, J, blocks,
+                                 cameras, first_camera, scratch);
+}
+
+template <typename Point, typename Camera>
+RAYLIGN_INLINE TrialSums try_points(Point kind,
+                                    Camera camera_kind,
+                                    const Observations& observations,
+                                    std::int64_t begin,
+                                    std::int64_t end,
+                                    const CameraPacket* packets,
+                                    const CameraPacket* trial_packets,
+                                    const double* X,
+                                    const Loss* loss,
+                                    const ObservationJacobian* J,
+                                    const LandmarkBlock* blocks,
+                                    const LandmarkFactor* factors,
+                                    const double* delta,
+                                    double* X_trial,
+                                    double* scratch) {
+  TrialSums sums;
+  for (std::int64_t j = begin; j < end; ++j) {
+    const std::int64_t first = observations.starts[j];
+    const std::int64_t last = observations.starts[j + 1];
+    const double* X_j = X + std::int64_t{Point::kStride} * j;
+    double* X_new = X_trial + std::int64_t{Point::kStride} * j;
+    const double w = weight(kind, X_j);
+    const Householder H = tangent_at(kind, X_j);
+    double y[3] = {blocks[j].g[0], blocks[j].g[1], blocks[j].g[2]};  // g + Σ Eᵀ F δ
+    for (std::int64_t q = first; q < last; ++q) {
+      const std::int32_t i = observations.camera[q];
+      const double* d = delta + std::int64_t{i} * kRow;
+      const double* c = packets[i].c;
+      double a[3];
+      ray(kind, X_j, c, a);
+      double moved[3];  // Fδ = A (ω × a − w δc) + I δ(f, k1, k2)
+      cross(d, a, moved);
+      for (int k = 0; k < 3; ++k) moved[k] -= w * d[3 + k];
+      double* v = scratch + 2 * (q - first);
+      v[0] = dot3(J[q].A, moved) + dot3(J[q].I, d + 6);
+      v[1] = dot3(J[q].A + 3, moved) + dot3(J[q].I + 3, d + 6);
+      double E[6];
+      point_rows(kind, H, J[q].A, c, E);
+      for (int k = 0; k < 3; ++k) y[k] += E[k] * v[0] + E[3 + k] * v[1];
+    }
+    const double* W = factors[j].W;
+    double z[3];
+    double step[3];
+    multiply_transposed(W, y, z);
+    multiply(W, z, step);
+    const bool moves = W[0] != 0.0 || W[3] != 0.0 || W[5] != 0.0;
+    for (int k = 0; k < 3; ++k) {
+      step[k] = -step[k];
+      sums.squared_step += step[k] * step[k];
+    }
+    for (int k = 0; k < Point::kStride; ++k) sums.squared_state += moves ? X_j[k] * X_j[k] : 0.0;
+    move_point(kind, H, X_j, step, X_new);
+    sums.model_decrease -= dot3(blocks[j].g, step);
+    for (std::int64_t q = first; q < last; ++q) {
+      const double* v = scratch + 2 * (q - first);
+      double E[6];
+      point_rows(kind, H, J[q].A, packets[observations.camera[q]].c, E);
+      const double u0 = v[0] + dot3(E, step);
+      const double u1 = v[1] + dot3(E + 3, step);
+      sums.model_decrease -= 0.5 * (u0 * u0 + u1 * u1);
+      const CameraPacket& camera = trial_packets[observations.camera[q]];
+      double P[3];
+      transform(kind, camera, X_new, P);
+      typename Camera::Projection p;
+      double r[2] = {NAN, NAN};
+      if (project(camera_kind, camera, P, p)) {
+        residual(camera_kind, camera, p, observations.uv + 2 * q, r);
+      }
+      const double s = r[0] * r[0] + r[1] * r[1];
+      sums.cost += 0.5 * (loss == nullptr ? s : loss->evaluate(s).rho);
+    }
+  }
+  return sums;
+}
+
+// The one switch over cameras.
+template <typename Point>
+RAYLIGN_INLINE TrialSums try_cameras(Point kind,
+                                     const Observations& observations,
+                                     std::int64_t begin,
+                                     std::int64_t end,
+                                     const CameraPacket* packets,
+                                     const CameraPacket* trial_packets,
+                                     const double* X,
+                                     const Loss* loss,
+                                     const ObservationJacobian* J,
+                                     const LandmarkBlock* blocks,
+                                     const LandmarkFactor* factors,
+                                     const double* delta,
+                                     double* X_trial,
+                                     double* scratch) {
+  switch (observations.camera_kind) {
+    case CameraKind::PINHOLE:
+      return try_points(kind, PinholeKind{}, observations, begin, end, packets, trial_packets, X,
+                        loss, J, blocks, factors, delta, X_trial, scratch);
+    case CameraKind::RADTAN:
+      return try_points(kind, RadtanKind{}, observations, begin, end, packets, trial_packets, X,
+                        loss, J, blocks, factors, delta, X_trial, scratch);
+    case CameraKind::BAL:
+      break;
+  }
+  return try_points(kind, BalKind{}, observations, begin, end, packets, trial_packets, X, loss, J,
+                    blocks, factors, delta, X_trial, scratch);
 }
 
 }  // namespace
@@ -299,54 +404,12 @@ RAYLIGN_CLONES TrialSums try_landmarks(const Observations& observations,
                                        const double* delta,
                                        double* X_trial,
                                        double* scratch) {
-  TrialSums sums;
-  for (std::int64_t j = begin; j < end; ++j) {
-    const std::int64_t first = observations.starts[j];
-    const std::int64_t last = observations.starts[j + 1];
-    const double* X_j = X + 3 * j;
-    double y[3] = {blocks[j].g[0], blocks[j].g[1], blocks[j].g[2]};  // g + Σ Aᵀ F δ
-    for (std::int64_t q = first; q < last; ++q) {
-      const std::int32_t i = observations.camera[q];
-      const double* d = delta + std::int64_t{i} * kRow;
-      const double* c = packets[i].c;
-      const double a[3] = {X_j[0] - c[0], X_j[1] - c[1], X_j[2] - c[2]};
-      double moved[3];  // Fδ = A (ω × a − δc) + I δ(f, k1, k2)
-      cross(d, a, moved);
-      for (int k = 0; k < 3; ++k) moved[k] -= d[3 + k];
-      double* v = scratch + 2 * (q - first);
-      v[0] = dot3(J[q].A, moved) + dot3(J[q].I, d + 6);
-      v[1] = dot3(J[q].A + 3, moved) + dot3(J[q].I + 3, d + 6);
-      for (int k = 0; k < 3; ++k) y[k] += J[q].A[k] * v[0] + J[q].A[3 + k] * v[1];
-    }
-    const double* W = factors[j].W;
-    double z[3];
-    double step[3];
-    multiply_transposed(W, y, z);
-    multiply(W, z, step);
-    const bool moves = W[0] != 0.0 || W[3] != 0.0 || W[5] != 0.0;
-    for (int k = 0; k < 3; ++k) {
-      step[k] = -step[k];
-      X_trial[3 * j + k] = X_j[k] + step[k];
-      sums.squared_step += step[k] * step[k];
-      sums.squared_state += moves ? X_j[k] * X_j[k] : 0.0;
-    }
-    sums.model_decrease -= dot3(blocks[j].g, step);
-    for (std::int64_t q = first; q < last; ++q) {
-      const double* v = scratch + 2 * (q - first);
-      const double u0 = v[0] + dot3(J[q].A, step);
-      const double u1 = v[1] + dot3(J[q].A + 3, step);
-      sums.model_decrease -= 0.5 * (u0 * u0 + u1 * u1);
-      const CameraPacket& camera = trial_packets[observations.camera[q]];
-      double P[3];
-      transform(camera, X_trial + 3 * j, P);
-      Projection p;
-      double r[2] = {NAN, NAN};
-      if (project(camera, P, p)) residual(camera, p, observations.uv + 2 * q, r);
-      const double s = r[0] * r[0] + r[1] * r[1];
-      sums.cost += 0.5 * (loss == nullptr ? s : loss->evaluate(s).rho);
-    }
+  if (observations.point_kind == PointKind::HOMOGENEOUS) {
+    return try_cameras(HomogeneousPoint{}, observations, begin, end, packets, trial_packets, X,
+                       loss, J, blocks, factors, delta, X_trial, scratch);
   }
-  return sums;
+  return try_cameras(XyzPoint{}, observations, begin, end, packets, trial_packets, X, loss, J,
+                     blocks, factors, delta, X_trial, scratch);
 }
 
 }  // namespace raylign::native

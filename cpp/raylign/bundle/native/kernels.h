@@ -12,7 +12,10 @@
 ///
 /// Notation as in docs/theory/native-engine.md: A = ∂r/∂X (2×3), also −∂r/∂c; a = X − c; I =
 /// ∂r/∂(f, k1, k2); F = [a × A | −A | I], row by row, the 2×9 Jacobian of the canonical camera
-/// tangent [ω; δc; δ(f, k1, k2)]. Robust weights √ρ′ are in A, I and r.
+/// tangent [ω; δc; δ(f, k1, k2)]. Robust weights √ρ′ are in A, I and r. Homogeneous points:
+/// a = x̃ − w̃ c, F = [a × A | −w̃ A | I], and E = ∂r/∂δ takes the place of A in what concerns the
+/// point (point_kinds.h); for XYZ points E is A. Cameras other than BAL: I holds the columns of up
+/// to three parameters that may move (camera_kinds.h).
 namespace raylign::native {
 
 /// Nine numbers of a camera in a row of twelve: three AVX2 registers, one and a half of AVX-512.
@@ -29,7 +32,9 @@ struct CameraPacket {
   double R[9];
   double t[3];
   double c[3];
-  double intrinsics[3];
+  double intrinsics[9];       ///< in the order of the camera class, as many as it has
+  double max_radius_squared;  ///< RADTAN: where its distortion folds back
+  std::int32_t columns[3];    ///< parameter of each column of I, −1: none; BAL has 0, 1, 2
 };
 
 /// What one observation contributes to J; by rows.
@@ -38,7 +43,7 @@ struct ObservationJacobian {
   double I[6];
 };
 
-/// H = Σ AᵀA as (xx, xy, xz, yy, yz, zz) and g = Σ Aᵀr of a landmark.
+/// H = Σ EᵀE as (xx, xy, xz, yy, yz, zz) and g = Σ Eᵀr of a landmark.
 struct LandmarkBlock {
   double H[6];
   double g[3];
@@ -56,6 +61,15 @@ struct CameraSums {
   alignas(32) double g[kRow];
 };
 
+/// What a camera is; CameraModel without its headers.
+enum class CameraKind { BAL, PINHOLE, RADTAN };
+
+/// How a landmark lies in X.
+enum class PointKind {
+  XYZ,          ///< (L, 3)
+  HOMOGENEOUS,  ///< (L, 4), unit vectors [x̃; w̃] in the frame of the cameras' packets
+};
+
 /// The observations of a window by one camera; they begin where those of the visit before end.
 struct CameraVisit {
   std::int32_t camera;
@@ -71,6 +85,8 @@ struct Observations {
   const std::int32_t* places;
   const CameraVisit* visits;
   const std::int64_t* window_visits;
+  PointKind point_kind = PointKind::XYZ;
+  CameraKind camera_kind = CameraKind::BAL;
 };
 
 /// F and r of one observation: two rows of eight, the ninth of each, r.
@@ -110,7 +126,7 @@ struct TrialSums {
   double squared_state = 0.0;
 };
 
-/// Landmarks [begin, end): δX = −W Wᵀ (g + Σ Aᵀ F δ), X_trial = X + δX, and the cost there.
+/// Landmarks [begin, end): δX = −W Wᵀ (g + Σ Eᵀ F δ), X_trial = X ⊞ δX, and the cost there.
 /// `delta`: canonical camera steps, (C, kRow). `scratch`: (2 · max_track_length,), one per thread.
 TrialSums try_landmarks(const Observations& observations,
                         std::int64_t begin,

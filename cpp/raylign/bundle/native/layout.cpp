@@ -27,43 +27,57 @@ std::vector<std::int64_t> iota(std::int64_t count) {
   return positions;
 }
 
+CameraKind camera_kind_of(CameraModel model) {
+  switch (model) {
+    case CameraModel::PINHOLE:
+      return CameraKind::PINHOLE;
+    case CameraModel::RADTAN:
+      return CameraKind::RADTAN;
+    case CameraModel::BAL:
+      break;
+  }
+  return CameraKind::BAL;
+}
+
 }  // namespace
 
-Layout::Layout(const BalProblem& problem)
-    : num_cameras(static_cast<std::int32_t>(problem.num_cameras())) {
-  const auto& cameras = problem.camera_index;
-  const auto& point_of = problem.point_index;
-  const auto by_camera = sorted_by(iota(problem.num_observations()), problem.num_cameras(),
+Layout::Layout(const BundleScene& scene, PointKind kind)
+    : point_kind(kind),
+      camera_kind(camera_kind_of(scene.camera_model)),
+      num_cameras(static_cast<std::int32_t>(scene.num_cameras())) {
+  const auto& cameras = scene.camera_index;
+  const auto& point_of = scene.point_index;
+  const auto by_camera = sorted_by(iota(scene.num_observations()), scene.num_cameras(),
                                    [&](std::int64_t i) { return cameras[i]; });
   const auto by_point =
-      sorted_by(by_camera, problem.num_points(), [&](std::int64_t i) { return point_of[i]; });
+      sorted_by(by_camera, scene.num_points(), [&](std::int64_t i) { return point_of[i]; });
   std::vector<std::int64_t> tracks;   // first position in by_point of each observed point
   std::vector<std::int32_t> highest;  // (P,) camera
-  highest.resize(problem.num_points());
-  for (std::int64_t k = 0; k < problem.num_observations(); ++k) {
+  highest.resize(scene.num_points());
+  for (std::int64_t k = 0; k < scene.num_observations(); ++k) {
     const std::int32_t point = point_of[by_point[k]];
     if (k == 0 || point != point_of[by_point[k - 1]]) tracks.push_back(k);
     highest[point] = cameras[by_point[k]];
   }
-  const auto by_highest = sorted_by(tracks, problem.num_cameras(),
+  const auto by_highest = sorted_by(tracks, scene.num_cameras(),
                                     [&](std::int64_t k) { return highest[point_of[by_point[k]]]; });
-  const auto ordered = sorted_by(by_highest, problem.num_cameras(),
+  const auto ordered = sorted_by(by_highest, scene.num_cameras(),
                                  [&](std::int64_t k) { return cameras[by_point[k]]; });
 
   starts.reserve(ordered.size() + 1);
   points.reserve(ordered.size());
   camera.reserve(by_point.size());
   uv.reserve(2 * by_point.size());
-  observed.assign(problem.num_cameras(), false);
+  observed.assign(scene.num_cameras(), false);
   starts.push_back(0);
   for (const std::int64_t first : ordered) {
     const std::int32_t point = point_of[by_point[first]];
     points.push_back(point);
-    for (auto k = first; k < problem.num_observations() && point_of[by_point[k]] == point; ++k) {
+    for (auto k = first; k < scene.num_observations() && point_of[by_point[k]] == point; ++k) {
       const std::int64_t i = by_point[k];
       camera.push_back(cameras[i]);
-      uv.push_back(problem.observations(i, 0));
-      uv.push_back(problem.observations(i, 1));
+      uv.push_back(scene.observations(i, 0));
+      uv.push_back(scene.observations(i, 1));
       observed[cameras[i]] = true;
     }
     starts.push_back(static_cast<std::int64_t>(camera.size()));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "raylign/bundle/native/kernels.h"
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 
 namespace raylign::native {
 
@@ -15,8 +15,10 @@ namespace raylign::native {
 /// A landmark is a point that somebody sees. Landmarks are sorted by their lowest camera, then by
 /// their highest, so that neighbours touch the same cameras; the observations of one by camera.
 struct Layout {
-  explicit Layout(const BalProblem& problem);
+  explicit Layout(const BundleScene& scene, PointKind kind = PointKind::XYZ);
 
+  PointKind point_kind;  ///< how the kernels find a landmark in X
+  CameraKind camera_kind;
   std::int32_t num_cameras = 0;
   std::vector<std::int32_t> points;  ///< (L,) index of each landmark in the problem
   std::vector<std::int64_t> starts;  ///< (L + 1,) first observation of each landmark
@@ -47,8 +49,8 @@ struct Layout {
     return starts[landmark + 1] - starts[landmark] > kLongTrack;
   }
   Observations observations() const {
-    return {starts.data(), camera.data(), uv.data(),           windows.data(),
-            places.data(), visits.data(), window_visits.data()};
+    return {starts.data(), camera.data(),        uv.data(),  windows.data(), places.data(),
+            visits.data(), window_visits.data(), point_kind, camera_kind};
   }
   int num_windows() const { return static_cast<int>(windows.size()) - 1; }
   /// Observations of the largest window.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "raylign/bundle/native/make_solver.h"
@@ -27,24 +28,25 @@ double larger(double a, double b) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+bool is_homogeneous(const BundleOptions& options) {
+  return options.point_parametrization == PointParametrization::HOMOGENEOUS;
+}
+
 }  // namespace
 
-ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
+ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
                                          const Constants& held,
                                          const BundleOptions& options,
                                          const InterruptCheck& interrupted)
     : options_(options),
-      layout_(problem),
+      frame_(is_homogeneous(options) ? homogeneous_frame(scene) : HomogeneousFrame{}),
+      layout_(scene, is_homogeneous(options) ? PointKind::HOMOGENEOUS : PointKind::XYZ),
       held_(landmark_masks(layout_, held)),
-      cameras_(problem, options.pose_parametrization, held, layout_.observed),
+      cameras_(scene, options.pose_parametrization, held, layout_.observed, frame_),
       pool_(options.lm.num_threads),
       solver_(make_linear_solver(options.linear_solver, {layout_, cameras_, pool_}, interrupted)) {
   const std::int64_t num_landmarks = layout_.num_landmarks();
-  X_.resize(3 * num_landmarks);
-  for (std::int64_t j = 0; j < num_landmarks; ++j) {
-    for (int k = 0; k < 3; ++k) X_[3 * j + k] = problem.points(layout_.points[j], k);
-  }
-  X_trial_ = X_;
+  load_points(scene);
   J_.resize(layout_.num_observations());
   landmark_blocks_.resize(num_landmarks);
   landmark_factors_.resize(num_landmarks);
@@ -65,6 +67,22 @@ ReprojectionProblem::ReprojectionProblem(const BalProblem& problem,
     table->resize(columns);
   }
   canonical_delta_.assign(static_cast<std::size_t>(layout_.num_cameras) * kRow, 0.0);
+}
+
+void ReprojectionProblem::load_points(const BundleScene& scene) {
+  X_.resize(point_size() * layout_.num_landmarks());
+  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
+    load_point(scene.points.row(layout_.points[j]).transpose(), X_.data() + point_size() * j);
+  }
+  X_trial_ = X_;
+}
+
+void ReprojectionProblem::load_point(const Vector3& X, double* out) const {
+  if (layout_.point_kind == PointKind::HOMOGENEOUS) {
+    Eigen::Map<Vector4>{out} = frame_.from_world(X);
+  } else {
+    Eigen::Map<Vector3>{out} = X;
+  }
 }
 
 int ReprojectionProblem::num_effective_parameters() const {
@@ -257,10 +275,19 @@ void ReprojectionProblem::accept() {
   X_.swap(X_trial_);
 }
 
-void ReprojectionProblem::write_back(BalProblem& problem) const {
-  cameras_.write_back(problem);
+void ReprojectionProblem::write_back(BundleScene& scene) const {
+  cameras_.write_back(scene);
   for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
-    for (int k = 0; k < 3; ++k) problem.points(layout_.points[j], k) = X_[3 * j + k];
+    const double* X = X_.data() + point_size() * j;
+    auto row = scene.points.row(layout_.points[j]);
+    double start[4];
+    load_point(row.transpose(), start);
+    if (std::memcmp(X, start, point_size() * sizeof(double)) == 0) continue;
+    if (layout_.point_kind == PointKind::HOMOGENEOUS) {
+      row = frame_.to_world(Eigen::Map<const Vector4>(X)).transpose();
+    } else {
+      row = Eigen::Map<const Vector3>(X).transpose();
+    }
   }
 }
 

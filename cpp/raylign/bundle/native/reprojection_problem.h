@@ -12,18 +12,18 @@
 #include "raylign/bundle/native/layout.h"
 #include "raylign/bundle/native/make_solver.h"
 #include "raylign/parametrization/constants.h"
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_options.h"
 #include "raylign/solver/lm.h"
 
 namespace raylign::native {
 
-/// A BAL problem as the Levenberg-Marquardt loop sees it (solver/lm.h): XYZ points, landmarks
-/// eliminated. Nothing is allocated after construction.
+/// A scene as the Levenberg-Marquardt loop sees it (solver/lm.h): XYZ or homogeneous points,
+/// landmarks eliminated. Nothing is allocated after construction.
 class ReprojectionProblem {
  public:
-  /// `problem` must be valid, with finite residuals; it is read here and not kept.
-  ReprojectionProblem(const BalProblem& problem,
+  /// `scene` must have finite residuals; it is read here and not kept.
+  ReprojectionProblem(const BundleScene& scene,
                       const Constants& held,
                       const BundleOptions& options,
                       const InterruptCheck& interrupted = nullptr);
@@ -33,8 +33,8 @@ class ReprojectionProblem {
   LmTrial try_step();
   void accept();
 
-  /// Writes the current state into `problem`; what did not move keeps its bits.
-  void write_back(BalProblem& problem) const;
+  /// Writes the current state into `scene`; what did not move keeps its bits.
+  void write_back(BundleScene& scene) const;
 
   int num_effective_parameters() const;
   /// Steps of the last `solve` and `try_step`: cameras' free columns, then landmark by landmark.
@@ -55,6 +55,10 @@ class ReprojectionProblem {
   }
   bool is_held(std::int64_t landmark, int k) const { return !held_.empty() && held_[landmark][k]; }
 
+  int point_size() const { return layout_.point_kind == PointKind::HOMOGENEOUS ? 4 : 3; }
+  void load_points(const BundleScene& scene);
+  void load_point(const Vector3& X, double* out) const;
+
   LmState linearize_chunks();
   void linearize_chunk(int chunk);
   double sum_cameras();
@@ -66,12 +70,13 @@ class ReprojectionProblem {
   double camera_gradient_step() const;
 
   BundleOptions options_;
+  HomogeneousFrame frame_;  // of homogeneous points; else the world's
   Layout layout_;
   std::vector<CoordinateMask> held_;  // (L,) in the landmarks' order, or empty
   CameraBlocks cameras_;
   ThreadPool pool_;
 
-  std::vector<double> X_, X_trial_;  // (L, 3)
+  std::vector<double> X_, X_trial_;  // (L, point_size())
   std::vector<ObservationJacobian> J_;
   std::vector<LandmarkBlock> landmark_blocks_;
   std::vector<LandmarkFactor> landmark_factors_;

@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "raylign/bundle/native/kernel_math.h"
+#include "raylign/bundle/native/point_kinds.h"
 
 // GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -12,23 +12,30 @@
 namespace raylign::native {
 namespace {
 
-// Zᵀ = (A W)ᵀ F; F = [a × A | −A | I] stays in registers.
-RAYLIGN_INLINE void eliminate(const ObservationJacobian& J,
+// Zᵀ = (E W)ᵀ F; F = [a × A | −w A | I] stays in registers.
+template <typename Point>
+RAYLIGN_INLINE void eliminate(Point kind,
+                              const Householder& H,
+                              const ObservationJacobian& J,
                               const double* W,
                               const double* X,
                               const double* c,
                               Elimination& out) {
-  const double a[3] = {X[0] - c[0], X[1] - c[1], X[2] - c[2]};
+  const double w = weight(kind, X);
+  double a[3];
+  ray(kind, X, c, a);
+  double point[6];
+  point_rows(kind, H, J.A, c, point);
   double E[2][3];
   Four::Vector left[2];
   Four::Vector right[2];
   for (int row = 0; row < 2; ++row) {
     const double* A = J.A + 3 * row;
     const double* I = J.I + 3 * row;
-    multiply_transposed(W, A, E[row]);
+    multiply_transposed(W, point + 3 * row, E[row]);
     left[row] = Four::Vector{a[1] * A[2] - a[2] * A[1], a[2] * A[0] - a[0] * A[2],
-                             a[0] * A[1] - a[1] * A[0], -A[0]};
-    right[row] = Four::Vector{-A[1], -A[2], I[0], I[1]};
+                             a[0] * A[1] - a[1] * A[0], -w * A[0]};
+    right[row] = Four::Vector{-w * A[1], -w * A[2], I[0], I[1]};
   }
   for (int m = 0; m < 3; ++m) {
     at<Four>(out.Z[m]) = E[0][m] * left[0] + E[1][m] * left[1];
@@ -153,7 +160,9 @@ RAYLIGN_INLINE void subtract_track(const std::int32_t* track,
 }
 
 // Z of a window's observations by cameras from row_begin on; the right-hand side of the rows.
-RAYLIGN_INLINE void eliminate_landmark(const Observations& observations,
+template <typename Point>
+RAYLIGN_INLINE void eliminate_landmark(Point kind,
+                                       const Observations& observations,
                                        std::int64_t j,
                                        const CameraPacket* packets,
                                        const double* X,
@@ -168,19 +177,22 @@ RAYLIGN_INLINE void eliminate_landmark(const Observations& observations,
   const std::int64_t length = observations.starts[j + 1] - first;
   const std::int32_t* track = observations.camera + first;
   if (track[0] >= row_end || track[length - 1] < row_begin) return;
+  const double* X_j = X + std::int64_t{Point::kStride} * j;
+  const Householder H = tangent_at(kind, X_j);
   const double* W = factors[j].W;
   double y[3];
   multiply_transposed(W, blocks[j].g, y);
   for (std::int64_t a = 0; a < length; ++a) {
     const std::int32_t i = track[a];
     if (i < row_begin || S.active[i] == 0) continue;
-    eliminate(J[first + a], W, X + 3 * j, packets[i].c, Z[a]);
+    eliminate(kind, H, J[first + a], W, X_j, packets[i].c, Z[a]);
     if (i < row_end) add_rhs(Z[a], y, S.rhs + std::int64_t{i} * kRow);
   }
 }
 
-template <typename Width>
-RAYLIGN_INLINE void subtract_windows(const Observations& observations,
+template <typename Width, typename Point>
+RAYLIGN_INLINE void subtract_windows(Point kind,
+                                     const Observations& observations,
                                      const ProductWindows& plan,
                                      const CameraPacket* packets,
                                      const double* X,
@@ -195,8 +207,8 @@ RAYLIGN_INLINE void subtract_windows(const Observations& observations,
     const ProductWindow& window = plan.windows[w];
     const std::int64_t first = observations.starts[window.landmark_begin];
     for (auto j = window.landmark_begin; j < window.landmark_end; ++j) {
-      eliminate_landmark(observations, j, packets, X, J, blocks, factors, row_begin, row_end, S,
-                         scratch + (observations.starts[j] - first));
+      eliminate_landmark(kind, observations, j, packets, X, J, blocks, factors, row_begin, row_end,
+                         S, scratch + (observations.starts[j] - first));
     }
     if (window.is_planned) {
       subtract_visits<Width>(plan, window, row_begin, row_end, S, scratch);
@@ -218,8 +230,13 @@ RAYLIGN_CLONES void subtract_narrow(const Observations& observations,
                                     std::int32_t row_end,
                                     const SchurBlocks& S,
                                     Elimination* scratch) {
-  subtract_windows<Four>(observations, plan, packets, X, J, blocks, factors, row_begin, row_end, S,
-                         scratch);
+  if (observations.point_kind == PointKind::HOMOGENEOUS) {
+    subtract_windows<Four>(HomogeneousPoint{}, observations, plan, packets, X, J, blocks, factors,
+                           row_begin, row_end, S, scratch);
+  } else {
+    subtract_windows<Four>(XyzPoint{}, observations, plan, packets, X, J, blocks, factors,
+                           row_begin, row_end, S, scratch);
+  }
 }
 
 RAYLIGN_AVX512 void subtract_wide(const Observations& observations,
@@ -233,8 +250,13 @@ RAYLIGN_AVX512 void subtract_wide(const Observations& observations,
                                   std::int32_t row_end,
                                   const SchurBlocks& S,
                                   Elimination* scratch) {
-  subtract_windows<Eight>(observations, plan, packets, X, J, blocks, factors, row_begin, row_end, S,
-                          scratch);
+  if (observations.point_kind == PointKind::HOMOGENEOUS) {
+    subtract_windows<Eight>(HomogeneousPoint{}, observations, plan, packets, X, J, blocks, factors,
+                            row_begin, row_end, S, scratch);
+  } else {
+    subtract_windows<Eight>(XyzPoint{}, observations, plan, packets, X, J, blocks, factors,
+                            row_begin, row_end, S, scratch);
+  }
 }
 
 }  // namespace

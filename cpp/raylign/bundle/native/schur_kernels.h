@@ -52,7 +52,7 @@ struct SchurBlocks {
   bool diagonal_only = false;  ///< there are no other blocks
 };
 
-/// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ A
+/// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ E
 /// W. Each block is summed window after window and there in the order of the landmarks, whatever
 /// the rows of the call. `scratch`: (Layout::max_window(),), one per thread.
 void subtract_landmarks(const Observations& observations,

@@ -14,11 +14,23 @@ namespace raylign::native {
 namespace {
 
 void check_supported(const BundleOptions& options) {
-  if (options.point_parametrization != PointParametrization::XYZ) {
-    throw OptionsError("BundleOptions.point_parametrization must be XYZ with backend NATIVE, got " +
-                       to_string(options.point_parametrization) + "; backend CERES has all three");
+  if (options.point_parametrization == PointParametrization::INVERSE_DEPTH) {
+    throw OptionsError(
+        "BundleOptions.point_parametrization must be XYZ or HOMOGENEOUS with backend NATIVE, got "
+        "inverse_depth; backend CERES has all three");
   }
   check_linear_solver(options.linear_solver);
+}
+
+// The blocks of S have nine rows, whatever the camera.
+void check_free_intrinsics(const BundleScene& scene, const Constants& held) {
+  for (std::int64_t i = 0; i < scene.num_cameras(); ++i) {
+    const int num_free = count_free(held.intrinsics[i]);
+    if (num_free <= 3) continue;
+    throw OptionsError("backend NATIVE moves at most 3 intrinsics of a camera, but camera " +
+                       std::to_string(i) + " has " + std::to_string(num_free) +
+                       " free; hold the others (BundleConfig) or use backend CERES");
+  }
 }
 
 // Nothing may move: one row, as from every other solve.
@@ -34,20 +46,23 @@ Summary evaluate_only(ReprojectionProblem& problem, const LmOptions& options, in
 
 }  // namespace
 
-Summary solve(BalProblem& problem,
+Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback) {
   check_supported(options);
-  if (problem.num_observations() == 0) return nothing_to_adjust("native");
+  if (scene.num_observations() == 0) return nothing_to_adjust("native");
   const Stopwatch clock;
   const ScopedSingleThreadedBlas single_threaded_blas;
-  const std::string invalid = describe_invalid_start(problem, options.loss);
+  const std::string invalid = describe_invalid_start(scene, options.loss);
   if (!invalid.empty()) return failed_summary("native", invalid);
-  ReprojectionProblem native_problem(problem, resolve_constants(problem, config), options);
+  const Constants held = resolve_constants(scene, config);
+  check_point_constants(held, options.point_parametrization);
+  check_free_intrinsics(scene, held);
+  ReprojectionProblem native_problem(scene, held, options);
   const double preprocessor_time_s = clock.seconds();
 
-  const int num_blocks = static_cast<int>(problem.num_observations());
+  const int num_blocks = static_cast<int>(scene.num_observations());
   Summary summary = native_problem.num_effective_parameters() == 0
                         ? evaluate_only(native_problem, options.lm, num_blocks)
                         : minimize(native_problem, options.lm, callback, clock, num_blocks);
@@ -59,7 +74,7 @@ Summary solve(BalProblem& problem,
   summary.num_threads = options.lm.num_threads;
   summary.deterministic = true;
   summary.preprocessor_time_s = preprocessor_time_s;
-  if (summary.is_usable()) native_problem.write_back(problem);
+  if (summary.is_usable()) native_problem.write_back(scene);
   summary.total_time_s = clock.seconds();
   return summary;
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "raylign/scene/bal_problem.h"
+#include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_config.h"
 #include "raylign/solver/bundle_options.h"
 #include "raylign/solver/summary.h"
@@ -11,9 +11,10 @@ namespace raylign::native {
 
 /// Solves with raylign's own engine (docs/theory/native-engine.md). Arguments validated by the
 /// caller (bundle/bundle_adjuster.h), which is the front door; the contract is the same. Throws
-/// OptionsError for what the engine does not do: points other than XYZ, DENSE_NORMAL_CHOLESKY, the
-/// preconditioners of Ceres alone.
-Summary solve(BalProblem& problem,
+/// OptionsError for what the engine does not do: inverse-depth points, more than three free
+/// intrinsics of a pinhole or Brown-Conrady camera, DENSE_NORMAL_CHOLESKY, the preconditioners of
+/// Ceres alone.
+Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback);
