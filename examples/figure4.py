@@ -47,8 +47,8 @@ MOTIONS = {  # T_th
 }
 WHAT_IT_SHOWS = {
     "rotation": "the same weight everywhere",
-    "z translation": "rings darken outwards, spokes do not",
-    "x translation": "dark where the gradient has a part in x",
+    "z translation": "rings darken outwards, no spoke",
+    "x translation": "dark by the gradient in x alone",
 }
 NO_DEPTH = "#9ca3af"
 COLORS = mpl.colormaps["magma"].with_extremes(bad=NO_DEPTH)
