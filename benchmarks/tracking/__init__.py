@@ -1,0 +1,1 @@
+"""The parts of benchmarks/track.py, one module each."""
