@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bindings.h"
+#include "raylign/base/stopwatch.h"
 #include "raylign/bundle/bundle_adjuster.h"
 
 namespace raylign::python {
@@ -33,6 +34,24 @@ CallbackAction ask_python(const py::object& callback, const IterationSummary& su
   }
 }
 
+// Ctrl-C inside a long linear solve; asked at most every 50 ms, for it takes the GIL.
+class SignalCheck {
+ public:
+  bool operator()() {
+    constexpr double kPeriod_s = 0.05;
+    if (clock_.seconds() < kPeriod_s) return false;
+    clock_.restart();
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() == 0) return false;
+    py::error_already_set error;
+    if (error.matches(PyExc_KeyboardInterrupt)) return true;
+    throw error;
+  }
+
+ private:
+  Stopwatch clock_;
+};
+
 // Options by value: other Python threads may change theirs while the GIL is released.
 template <typename Problem>
 Summary adjust_in_place(Problem& problem,
@@ -40,9 +59,8 @@ Summary adjust_in_place(Problem& problem,
                         BundleOptions options,
                         const py::object& callback) {
   const py::gil_scoped_release release;
-  return adjust(problem, config, options, [&callback](const IterationSummary& summary) {
-    return ask_python(callback, summary);
-  });
+  const auto ask = [&callback](const IterationSummary& row) { return ask_python(callback, row); };
+  return adjust(problem, config, options, ask, SignalCheck());
 }
 
 template <typename T>

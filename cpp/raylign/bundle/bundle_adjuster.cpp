@@ -21,10 +21,11 @@ void validate(const Problem& problem, const BundleConfig& config, const BundleOp
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
-              const IterationCallback& callback) {
+              const IterationCallback& callback,
+              const InterruptCheck& interrupted) {
   switch (options.backend) {
     case Backend::NATIVE:
-      return native::solve(scene, config, options, callback);
+      return native::solve(scene, config, options, callback, interrupted);
     case Backend::CERES:
       break;
   }
@@ -35,10 +36,11 @@ template <typename Problem>
 Summary adjust_in_scene(Problem& problem,
                         const BundleConfig& config,
                         const BundleOptions& options,
-                        const IterationCallback& callback) {
+                        const IterationCallback& callback,
+                        const InterruptCheck& interrupted) {
   validate(problem, config, options);
   BundleScene scene(problem);
-  const Summary summary = solve(scene, config, options, callback);
+  const Summary summary = solve(scene, config, options, callback, interrupted);
   scene.store(problem);
   return summary;
 }
@@ -48,15 +50,17 @@ Summary adjust_in_scene(Problem& problem,
 Summary adjust(BalProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
-               const IterationCallback& callback) {
-  return adjust_in_scene(problem, config, options, callback);
+               const IterationCallback& callback,
+               const InterruptCheck& interrupted) {
+  return adjust_in_scene(problem, config, options, callback, interrupted);
 }
 
 Summary adjust(BundleProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
-               const IterationCallback& callback) {
-  return adjust_in_scene(problem, config, options, callback);
+               const IterationCallback& callback,
+               const InterruptCheck& interrupted) {
+  return adjust_in_scene(problem, config, options, callback, interrupted);
 }
 
 Linearization linearize(const BalProblem& problem,

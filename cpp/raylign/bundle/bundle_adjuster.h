@@ -15,15 +15,18 @@ namespace raylign {
 ///
 /// `problem` is the one argument that changes: on return it holds the best state found, which is
 /// the start, bit by bit, when no step was accepted. Throws OptionsError, ShapeError; numerical
-/// trouble is no exception but Termination::FAILURE with a message.
+/// trouble is no exception but Termination::FAILURE with a message. `interrupted` is asked by
+/// backend NATIVE between two iterations of conjugate gradients; Ceres has no such place.
 Summary adjust(BalProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
-               const IterationCallback& callback = nullptr);
+               const IterationCallback& callback = nullptr,
+               const InterruptCheck& interrupted = nullptr);
 Summary adjust(BundleProblem& problem,
                const BundleConfig& config,
                const BundleOptions& options,
-               const IterationCallback& callback = nullptr);
+               const IterationCallback& callback = nullptr,
+               const InterruptCheck& interrupted = nullptr);
 
 /// The same problem linearised at its current state: cost, gradient, sparse Jacobian (see
 /// Linearization). Throws Error when a residual is not finite there, and whatever `adjust` throws.

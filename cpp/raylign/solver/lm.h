@@ -24,6 +24,7 @@ struct LmSolve {
   bool solved = false;       ///< there is a finite step
   int iterations = 1;        ///< of an iterative solver; 1 for a factorisation
   bool interrupted = false;  ///< not solved because the problem was told to stop
+  bool inexact = false;      ///< a closer solution was to be had: a small step proves nothing
 };
 
 /// What a problem says about the step it has just tried.
@@ -50,7 +51,7 @@ inline double lm_column_scale(double squared_column_norm, const LmOptions& optio
 /// Madsen, Nielsen, Tingleff 2004, §3.2), λ = 1 / radius. `Problem` is any class with
 ///
 ///   LmState linearize();          // at the current state; called at the start and after `accept`
-///   LmSolve solve(double lambda); // a step for this damping
+///   LmSolve solve(double lambda, bool tight);  // a step for this damping; tight: an exact one
 ///   LmTrial try_step();           // current state plus step, kept beside the current state
 ///   void accept();                // the trial state becomes the current one
 ///
@@ -108,7 +109,9 @@ class LmLoop {
     row_.cost_change = state_.cost - trial.cost;
     row_.gain_ratio = row_.cost_change / trial.model_decrease;
     row_.step_norm = trial.step_norm;
-    if (step_is_small(trial)) {
+    if (step.inexact && (step_is_small(trial) || cost_change_is_small())) {
+      is_tight_ = true;  // from here on: convergence is for exact steps to find
+    } else if (step_is_small(trial)) {
       finish(Termination::CONVERGENCE, "Parameter tolerance reached. ‖δ‖ / (‖x‖ + tolerance): " +
                                            format_double(trial.step_norm / trial.state_norm));
     } else if (cost_change_is_small()) {
@@ -136,7 +139,7 @@ class LmLoop {
 
   LmSolve solve() {
     const Stopwatch watch;
-    const LmSolve step = problem_.solve(lambda_);
+    const LmSolve step = problem_.solve(lambda_, is_tight_);
     row_.linear_solver_iterations = step.iterations;
     row_.linear_solver_time_s = watch.seconds();
     summary_.linear_solver_time_s += row_.linear_solver_time_s;
@@ -249,6 +252,7 @@ class LmLoop {
   int num_consecutive_invalid_ = 0;
   bool had_accepted_step_ = false;
   bool finished_ = false;
+  bool is_tight_ = false;
   LmState state_;
   IterationSummary row_;
   double row_start_s_ = 0.0;

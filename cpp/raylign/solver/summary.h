@@ -44,6 +44,10 @@ enum class CallbackAction { CONTINUE, STOP };
 /// state.
 using IterationCallback = std::function<CallbackAction(const IterationSummary&)>;
 
+/// Asked inside a long iteration, from the solving thread; true stops it, with USER_STOPPED and the
+/// best state.
+using InterruptCheck = std::function<bool()>;
+
 /// What a solve did. The same struct from every engine. Impossible values until a solver fills
 /// them.
 struct Summary {

@@ -98,7 +98,7 @@ class AlignmentProblem {
     return {cost(sums_, false, state_), max_norm};
   }
 
-  LmSolve solve(double lambda) {
+  LmSolve solve(double lambda, bool /*tight*/ = false) {  // always exact
     const auto n = static_cast<int>(columns_.size());
     System A(n, n);
     Step rhs(n);

@@ -26,6 +26,8 @@ class DenseProblem {
   std::function<bool(int)> solvable = [](int) { return true; };  // of the solve's number
   int num_linearizations = 0;
   int num_solves = 0;
+  double loosen = 0.0;  // > 0: what is left of a step that need not be exact
+  int num_tight = 0;
 
   LmState linearize() {
     ++num_linearizations;
@@ -38,11 +40,16 @@ class DenseProblem {
     return {0.5 * r_.squaredNorm(), (J_.transpose() * r_).cwiseAbs().maxCoeff()};
   }
 
-  LmSolve solve(double lambda) {
+  LmSolve solve(double lambda, bool tight) {
+    num_tight += tight ? 1 : 0;
     if (!solvable(num_solves++)) return {false};
     MatrixXd H = J_.transpose() * J_;
     for (int k = 0; k < H.rows(); ++k) H(k, k) += lambda * lm_damping(H(k, k), scale_[k], options);
     step_ = -H.ldlt().solve(J_.transpose() * r_);
+    if (!tight && loosen > 0.0) {
+      step_ *= loosen;
+      return {true, 1, false, true};
+    }
     return {step_.allFinite()};
   }
 
@@ -280,6 +287,37 @@ TEST(Lm, DampingIsCeresClampOnScaledColumns) {
   EXPECT_DOUBLE_EQ(lm_damping(0.0, 0.5, options), 4e-6);
   options.jacobi_scaling = false;
   EXPECT_EQ(lm_column_scale(h, options), 1.0);
+}
+
+// A step that an iterative solver cut short is small for that reason alone.
+TEST(LmLoop, AnInexactSmallStepIsNoConvergence) {
+  DenseProblem problem = rosenbrock();
+  problem.loosen = 1e-12;
+  const Summary summary = minimize(problem, problem.options, nullptr, Stopwatch(), 2);
+  EXPECT_EQ(summary.termination, Termination::CONVERGENCE);
+  EXPECT_GT(problem.num_tight, 2);
+  EXPECT_LT(summary.final_cost, 1e-12);
+}
+
+TEST(LmLoop, AnInterruptedSolveEndsWithTheBestState) {
+  DenseProblem problem = rosenbrock();
+  struct Interrupted {
+    DenseProblem& inner;
+    LmState linearize() { return inner.linearize(); }
+    LmSolve solve(double lambda, bool tight) {
+      if (inner.num_solves == 8) return {false, 7, true};
+      return inner.solve(lambda, tight);
+    }
+    LmTrial try_step() { return inner.try_step(); }
+    void accept() { inner.accept(); }
+  } interrupted{problem};
+  LmOptions options;
+  const Summary summary = minimize(interrupted, options, nullptr, Stopwatch(), 2);
+  EXPECT_EQ(summary.termination, Termination::USER_STOPPED);
+  EXPECT_EQ(summary.iterations.size(), 10u);
+  EXPECT_EQ(summary.iterations.back().linear_solver_iterations, 7);
+  EXPECT_EQ(summary.iterations.back().cost, summary.final_cost);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
 }
 
 }  // namespace

@@ -2,16 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "raylign/bundle/native/preconditioner.h"
 #include "raylign/bundle/native/schur_product.h"
+#include "raylign/solver/summary.h"
 
 namespace raylign::native {
-
-/// Asked between two iterations of a long solve; true: stop.
-using InterruptCheck = std::function<bool()>;
 
 /// When conjugate gradients stop.
 struct CgLimits {

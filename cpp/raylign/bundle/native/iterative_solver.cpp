@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMinForcing = 1e-4;
 constexpr double kSafeguard = 0.1;
+constexpr double kTight = 1e-3;
 
 }  // namespace
 
@@ -50,12 +51,15 @@ LmSolve IterativeSolver::solve(const DampedProblem& problem, double* delta) {
   product_->prepare(system_, problem);
   const double rhs_norm = cg_.norm(*preconditioner_, system_.rhs());
   update_forcing(problem.linearization, rhs_norm);
-  const CgResult result = cg_.solve(*product_, *preconditioner_, system_.rhs(),
-                                    {eta_, eta_, options_.max_num_iterations}, interrupted_, x_);
+  CgLimits limits{eta_, eta_, options_.max_num_iterations};
+  if (problem.tight) limits.residual_tolerance = limits.model_tolerance = std::min(eta_, kTight);
+  const CgResult result =
+      cg_.solve(*product_, *preconditioner_, system_.rhs(), limits, interrupted_, x_);
   preconditioner_->report(result.iterations);
   pack(system_.cameras(), x_.data(), delta);
   LmSolve solve;
   solve.interrupted = result.interrupted;
+  solve.inexact = !problem.tight;
   solve.iterations = std::max(1, result.iterations);
   solve.solved = result.solved && !result.interrupted &&
                  std::all_of(x_.begin(), x_.end(), [](double x) { return std::isfinite(x); });

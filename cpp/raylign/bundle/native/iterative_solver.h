@@ -12,7 +12,7 @@ namespace raylign::native {
 
 /// Solves inexactly by conjugate gradients. How exactly is the second choice of Eisenstat & Walker
 /// 1996: η = 0.9 (‖b‖ / ‖b of the linearisation before‖)^φ, φ the golden ratio, within
-/// [1e-4, forcing_tolerance].
+/// [1e-4, forcing_tolerance]; 1e-3 once the loop wants exact steps (lm.h).
 class IterativeSolver : public LinearSolver {
  public:
   IterativeSolver(const SolverContext& context,

@@ -17,6 +17,8 @@ class LinearSolver {
   /// Writes δ (num_columns(),) in the user's tangent. Not solved: S is not positive definite.
   virtual LmSolve solve(const DampedProblem& problem, double* delta) = 0;
   virtual LinearSolverType type() const = 0;
+  /// Summary::linear_solver_reason.
+  virtual std::string reason() const { return "requested"; }
 };
 
 }  // namespace raylign::native

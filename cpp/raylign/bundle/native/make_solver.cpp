@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/bundle/native/make_solver.h"
 
-#include <cstdio>
 #include <utility>
 
 #include "raylign/base/error.h"
+#include "raylign/bundle/native/auto_solver.h"
 #include "raylign/bundle/native/dense_cholesky.h"
 #include "raylign/bundle/native/iterative_solver.h"
 #include "raylign/bundle/native/sparse_cholesky.h"
@@ -15,9 +15,6 @@
 
 namespace raylign::native {
 namespace {
-
-// Small supernodes run at a third of the speed of one dense matrix.
-constexpr double kSparseHandicap = 3.0;
 
 std::unique_ptr<SchurPreconditioner> make_preconditioner(Preconditioner kind,
                                                          const SolverContext& context,
@@ -48,25 +45,6 @@ std::unique_ptr<LinearSolver> make_iterative(const LinearSolverOptions& options,
                                            std::move(preconditioner), options, interrupted);
 }
 
-std::string direct_reason(LinearSolverType type,
-                          const Layout& layout,
-                          const SparseOrdering& ordering,
-                          double dense_flops) {
-  char reason[200];
-  if (type == LinearSolverType::SPARSE_SCHUR) {
-    std::snprintf(reason, sizeof(reason),
-                  "auto: %d cameras, sparse Cholesky of S predicted %.3g GF (%s) against dense "
-                  "%.3g GF",
-                  layout.num_cameras, ordering.flops / 1e9, ordering.method, dense_flops / 1e9);
-  } else {
-    std::snprintf(reason, sizeof(reason),
-                  "auto: %d cameras, dense Cholesky of S predicted %.3g GF, sparse no less than a "
-                  "third of it",
-                  layout.num_cameras, dense_flops / 1e9);
-  }
-  return reason;
-}
-
 }  // namespace
 
 void check_linear_solver(const LinearSolverOptions& options) {
@@ -90,38 +68,36 @@ void check_linear_solver(const LinearSolverOptions& options) {
   }
 }
 
-ChosenSolver make_linear_solver(const LinearSolverOptions& options,
-                                const SolverContext& context,
-                                const InterruptCheck& interrupted) {
+std::unique_ptr<LinearSolver> make_requested_solver(const LinearSolverOptions& options,
+                                                    const SolverContext& context,
+                                                    const InterruptCheck& interrupted,
+                                                    const SparseOrdering* ordering) {
   auto moving = moving_cameras(context.cameras);
   if (options.type == LinearSolverType::ITERATIVE_SCHUR && !options.explicit_schur) {
-    return {make_iterative(options, context, SchurPattern::diagonal(moving), interrupted),
-            "requested"};
+    return make_iterative(options, context, SchurPattern::diagonal(std::move(moving)), interrupted);
   }
-  SchurPattern pattern(context.layout, moving);
+  SchurPattern pattern(context.layout, std::move(moving));
   if (options.type == LinearSolverType::ITERATIVE_SCHUR) {
-    return {make_iterative(options, context, std::move(pattern), interrupted), "requested"};
-  }
-  const bool is_auto = options.type == LinearSolverType::AUTO;
-  SparseOrdering ordering;
-  LinearSolverType type = options.type;
-  if (type != LinearSolverType::DENSE_SCHUR) ordering = order_cameras(pattern);
-  const double n = context.cameras.num_columns();
-  const double dense_flops = n * n * n / 3.0;
-  if (is_auto) {
-    const bool sparse = has_sparse_cholesky() && kSparseHandicap * ordering.flops < dense_flops;
-    type = sparse ? LinearSolverType::SPARSE_SCHUR : LinearSolverType::DENSE_SCHUR;
+    return make_iterative(options, context, std::move(pattern), interrupted);
   }
   std::unique_ptr<SchurFactor> factor;
-  if (type == LinearSolverType::SPARSE_SCHUR) {
-    factor = make_sparse_cholesky(context.cameras, pattern, ordering);
+  if (options.type == LinearSolverType::SPARSE_SCHUR) {
+    factor = make_sparse_cholesky(context.cameras, pattern,
+                                  ordering != nullptr ? *ordering : order_cameras(pattern));
   } else {
     factor = std::make_unique<DenseCholesky>(context.cameras, context.pool);
   }
-  auto solver =
-      std::make_unique<DirectSolver>(type, context, std::move(pattern), std::move(factor));
-  if (!is_auto) return {std::move(solver), "requested"};
-  return {std::move(solver), direct_reason(type, context.layout, ordering, dense_flops)};
+  return std::make_unique<DirectSolver>(options.type, context, std::move(pattern),
+                                        std::move(factor));
+}
+
+std::unique_ptr<LinearSolver> make_linear_solver(const LinearSolverOptions& options,
+                                                 const SolverContext& context,
+                                                 const InterruptCheck& interrupted) {
+  if (options.type == LinearSolverType::AUTO) {
+    return std::make_unique<AutoSolver>(options, context, interrupted);
+  }
+  return make_requested_solver(options, context, interrupted);
 }
 
 }  // namespace raylign::native

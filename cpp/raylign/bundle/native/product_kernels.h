@@ -19,6 +19,7 @@ struct DampedProblem {
   const CameraSums* cameras;       ///< (C,)
   const double* damping;           ///< added to the diagonal of S, by the user's columns
   int linearization;               ///< which one: rises by one whenever J is computed again
+  bool tight = false;              ///< the step shall be exact
 };
 
 /// y += the part of S x that block rows [row_begin, row_end) of the upper triangle and their mirror

@@ -224,8 +224,10 @@ DampedProblem ReprojectionProblem::damped(double lambda) {
           camera_sums_.data(), damping_.data(),         num_linearizations_};
 }
 
-LmSolve ReprojectionProblem::solve(double lambda) {
-  return solver_.solver->solve(damped(lambda), delta_.data());
+LmSolve ReprojectionProblem::solve(double lambda, bool tight) {
+  DampedProblem problem = damped(lambda);
+  problem.tight = tight;
+  return solver_->solve(problem, delta_.data());
 }
 
 void ReprojectionProblem::set_canonical_step() {

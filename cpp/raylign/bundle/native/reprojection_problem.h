@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ class ReprojectionProblem {
                       const InterruptCheck& interrupted = nullptr);
 
   LmState linearize();
-  LmSolve solve(double lambda);
+  LmSolve solve(double lambda, bool tight = false);
   LmTrial try_step();
   void accept();
 
@@ -45,8 +46,8 @@ class ReprojectionProblem {
 
   /// The linearised problem damped by λ: what a linear solver sees.
   DampedProblem damped(double lambda);
-  LinearSolverType linear_solver() const { return solver_.solver->type(); }
-  const std::string& linear_solver_reason() const { return solver_.reason; }
+  LinearSolverType linear_solver() const { return solver_->type(); }
+  std::string linear_solver_reason() const { return solver_->reason(); }
 
  private:
   Observations observations() const { return layout_.observations(); }
@@ -93,7 +94,7 @@ class ReprojectionProblem {
   std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns
   std::vector<double> delta_;                                                        // user columns
   std::vector<double> canonical_delta_;                                              // (C, kRow)
-  ChosenSolver solver_;
+  std::unique_ptr<LinearSolver> solver_;
   int num_linearizations_ = 0;
   bool has_scales_ = false;
 };

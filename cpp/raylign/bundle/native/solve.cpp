@@ -49,7 +49,8 @@ Summary evaluate_only(ReprojectionProblem& problem, const LmOptions& options, in
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
-              const IterationCallback& callback) {
+              const IterationCallback& callback,
+              const InterruptCheck& interrupted) {
   check_supported(options);
   if (scene.num_observations() == 0) return nothing_to_adjust("native");
   const Stopwatch clock;
@@ -59,7 +60,10 @@ Summary solve(BundleScene& scene,
   const Constants held = resolve_constants(scene, config);
   check_point_constants(held, options.point_parametrization);
   check_free_intrinsics(scene, held);
-  ReprojectionProblem native_problem(scene, held, options);
+  const auto stop = [&] {
+    return clock.seconds() >= options.lm.max_solver_time_s || (interrupted && interrupted());
+  };
+  ReprojectionProblem native_problem(scene, held, options, stop);
   const double preprocessor_time_s = clock.seconds();
 
   const int num_blocks = static_cast<int>(scene.num_observations());

@@ -17,6 +17,7 @@ namespace raylign::native {
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
-              const IterationCallback& callback);
+              const IterationCallback& callback,
+              const InterruptCheck& interrupted);
 
 }  // namespace raylign::native
