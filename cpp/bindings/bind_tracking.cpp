@@ -90,8 +90,7 @@ void bind_nested_options(py::module_& m) {
       .field("min_points", &C::min_points, "Reference points on the finest level.")
       .field("min_overlap", &C::min_overlap, "Share of them in the target's view.")
       .field("min_good_ratio", &C::min_good_ratio, "Share of those with r² < 40² + |∇I|²/4.")
-      .field("min_correlation", &C::min_correlation,
-             "Median over blocks of the correlation of intensities.")
+      .field("min_agreement", &C::min_agreement, "AlignmentResult.agreement.")
       .field("max_translation", &C::max_translation,
              "From keyframe to target, share of the mean depth.")
       .field("max_rotation", &C::max_rotation, "From keyframe to target, rad.")
@@ -295,8 +294,9 @@ void bind_result(py::module_& m) {
       .def_readonly("overlap", &R::overlap, "Share of them in view.")
       .def_readonly("usage", &R::usage, "The same, points that recede counting less.")
       .def_readonly("good_ratio", &R::good_ratio, "Share of those in view that agree.")
-      .def_readonly("correlation", &R::correlation,
-                    "Median over blocks of the correlation of intensities.")
+      .def_readonly("agreement", &R::agreement,
+                    "Share of points that agree within 3 σ_r beyond what a wrong pose scores by "
+                    "chance: 1 all, 0 none.")
       .def_readonly("a", &R::a, "Brightness: r = I_h − (e^a I_t + b).")
       .def_readonly("b", &R::b, "Grey levels.")
       .def_readonly("mean_inverse_depth", &R::mean_inverse_depth, "Of the points, 1/scene unit.")

@@ -190,7 +190,7 @@ bool RgbdOdometry::try_best_of(Placed& reference,
     const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b};
     const AlignmentResult coarse = coarse_aligner_.align(*reference.keyframe, frame, start);
     ++result.num_alignments;
-    const double score = coarse.correlation * coarse.overlap;
+    const double score = coarse.agreement * coarse.overlap;
     const Matrix4 T_cw_found = without_drift(coarse.T_th * reference.T_kw);
     if (std::isfinite(score) && T_cw_found.allFinite()) found.emplace_back(score, T_cw_found);
   }

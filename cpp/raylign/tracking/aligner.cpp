@@ -19,10 +19,12 @@ using tracking::BlockSums;
 using tracking::PointPass;
 using tracking::PoseState;
 using tracking::TermScales;
+using tracking::TermSums;
 
 constexpr double kRigidTolerance = 1e-6;
 // Exact depth has no dispersion at all; the sums are in float.
 constexpr double kMaxWeight = 1e3;
+constexpr double kMaxScale = 30.0;
 constexpr int kMinSide = 3;  // px: smaller levels have no inner pixel
 
 double scale_of(const Matrix4& T) { return std::cbrt(T.topLeftCorner<3, 3>().determinant()); }
@@ -100,17 +102,23 @@ bool has_enough_points(const PointList& points,
   return false;
 }
 
-// The scales of the next level from the residuals of this one: each term is weighed by what its own
-// residuals say about it, blocks taken as correlated (docs/theory/tracking.md).
-TermScales estimate_scales(const BlockSums& blocks, const DepthTermOptions& options) {
-  TermScales scales;
-  scales.depth_weight = options.weight;
-  if (!options.estimate_weight || !(blocks.sums.depth.count > 0.0)) return scales;
-  const double photometric = tracking::over_dispersion(blocks, false);
-  const double depth = tracking::over_dispersion(blocks, true);
-  if (!(photometric > 0.0) || !(depth > 0.0)) return scales;
-  scales.depth_weight *= std::clamp(photometric / depth, 1.0 / kMaxWeight, kMaxWeight);
-  return scales;
+// The scales of the next level from the residuals of this one (docs/theory/tracking.md): the depth
+// term's robust scale, and the ratio of the terms' over-dispersions, which is how many points of
+// one tell as much as one of the other when blocks count as correlated.
+TermScales estimate_scales(const BlockSums& blocks,
+                           const TrackingOptions& options,
+                           const TermScales& scales) {
+  const double photometric = tracking::over_dispersion(blocks, options, false);
+  const double depth = tracking::over_dispersion(blocks, options, true);
+  const TermSums& sums = blocks.sums.depth;
+  if (!(photometric > 0.0) || !(depth > 0.0) || !(sums.weighted_square > 0.0)) return scales;
+  TermScales next;
+  const double change = std::sqrt(sums.weighted_square / sums.weight);
+  next.depth_scale = std::clamp(scales.depth_scale * change, 1.0 / kMaxScale, kMaxScale);
+  const double growth = next.depth_scale / scales.depth_scale;
+  next.depth_weight = options.depth.weight * growth * growth *
+                      std::clamp(photometric / depth, 1.0 / kMaxWeight, kMaxWeight);
+  return next;
 }
 
 }  // namespace
@@ -176,7 +184,9 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
     record.num_evaluations = problem.num_evaluations() + (is_last ? 1 : 0);
     result.levels.push_back(std::move(record));
     if (!is_last) {
-      if (pass.has_depth_term()) scales = estimate_scales(blocks, options_.depth);
+      if (pass.has_depth_term() && options_.depth.estimate_weight) {
+        scales = estimate_scales(blocks, options_, scales);
+      }
       continue;
     }
     result.T_th = on_group(state.T_th);

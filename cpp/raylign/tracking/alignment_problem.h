@@ -58,9 +58,9 @@ PoseState closed_form_brightness(const TermSums& sums, const PoseState& state);
 /// Alignment on one level as the Levenberg-Marquardt loop sees it (solver/lm.h). One pass over the
 /// points gives a trial's cost and, should it be accepted, its normal equations.
 ///
-/// Cost = ½ Σ ρ(n²) over all reference points: a point without a residual (out of view, no depth
-/// there) counts as much as the mean point at the start of the level, so that leaving the image is
-/// neither a gain nor a loss. σ is that of the current state while a trial is judged.
+/// Cost = ½ Σ ρ(n²) over all reference points. A point without a residual (out of view, no depth
+/// there) counts as much as the mean point in view does at the current state: for the trial that is
+/// judged, leaving the image is neither a gain nor a loss. σ is that of the current state, too.
 template <typename Motion>
 class AlignmentProblem {
  public:
@@ -81,8 +81,10 @@ class AlignmentProblem {
   }
 
   LmState linearize() {
-    if (num_evaluations_ == 0) start();
+    if (num_evaluations_ == 0) sums_ = run(state_, nullptr, buffers(current_));
     if (options_.affine.mode == AffineMode::CLOSED_FORM) update_brightness();
+    outside_photometric_ = mean_rho(sums_.photometric);
+    outside_depth_ = mean_rho(sums_.depth);
     set_equations();
     if (column_scales_.empty()) {
       for (const int k : columns_) {
@@ -150,12 +152,6 @@ class AlignmentProblem {
   PassSums run(const PoseState& state, const VarianceBuffers* reference, VarianceBuffers& out) {
     ++num_evaluations_;
     return pass_.run(state, scales_, reference, out);
-  }
-
-  void start() {
-    sums_ = run(state_, nullptr, buffers(current_));
-    outside_photometric_ = mean_rho(sums_.photometric);
-    outside_depth_ = mean_rho(sums_.depth);
   }
 
   static double mean_rho(const TermSums& sums) {

@@ -14,8 +14,7 @@ namespace raylign::tracking {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-// A block's correlation counts from this many points on.
-constexpr double kMinTilePoints = 8.0;
+// Fewer blocks than this say nothing about a covariance of six.
 constexpr int kMinTiles = 12;
 
 using Dense = Eigen::MatrixXd;
@@ -54,34 +53,18 @@ Matrix7 pose_block(const Dense& covariance, const std::vector<int>& columns) {
   return block;
 }
 
-double correlation_of(const TileSums& t) {
-  const double var_h = t.I_hh - t.I_h * t.I_h / t.count;
-  const double var_t = t.I_tt - t.I_t * t.I_t / t.count;
-  const double cov = t.I_ht - t.I_h * t.I_t / t.count;
-  const double product = var_h * var_t;
-  return product > 0.0 ? cov / std::sqrt(product) : 0.0;
-}
-
-double median_correlation(const std::vector<TileSums>& tiles) {
-  std::vector<double> values;
+// Agreement beyond chance, Cohen's kappa: 1 when all points agree, 0 when no more do than by
+// chance.
+double agreement(const std::vector<TileSums>& tiles) {
+  double pairs = 0.0;
+  double agree = 0.0;
+  double by_chance = 0.0;
   for (const TileSums& tile : tiles) {
-    if (tile.count >= kMinTilePoints) values.push_back(correlation_of(tile));
+    pairs += tile.pairs;
+    agree += tile.agree;
+    by_chance += tile.agree_by_chance;
   }
-  if (values.empty()) {
-    TileSums all = {};
-    for (const TileSums& t : tiles) {
-      all.count += t.count;
-      all.I_h += t.I_h;
-      all.I_t += t.I_t;
-      all.I_hh += t.I_hh;
-      all.I_tt += t.I_tt;
-      all.I_ht += t.I_ht;
-    }
-    return all.count > 1.0 ? correlation_of(all) : 0.0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return pairs > by_chance ? (agree - by_chance) / (pairs - by_chance) : 0.0;
 }
 
 double residual_variance(const TermSums& sums) {
@@ -154,20 +137,20 @@ Verdict judge_agreement(const AcceptanceOptions& limits, const AlignmentResult& 
     return {AlignmentStatus::DIVERGED,
             as_percent(result.good_ratio) + " of the points in view agree (min_good_ratio)"};
   }
-  if (!(result.correlation >= limits.min_correlation)) {
-    return {AlignmentStatus::DIVERGED, "intensities correlate by " +
-                                           format_double(result.correlation) +
-                                           " within blocks (min_correlation)"};
+  if (!(result.agreement >= limits.min_agreement)) {
+    return {AlignmentStatus::DIVERGED,
+            "agreement beyond chance is " + format_double(result.agreement) + " (min_agreement)"};
   }
   return {};
 }
 
 }  // namespace
 
-double over_dispersion(const BlockSums& blocks, bool of_depth) {
-  const TermSums& sums = of_depth ? blocks.sums.depth : blocks.sums.photometric;
-  const Matrix6 H = (of_depth ? depth_equations(sums, false) : photometric_equations(sums, false))
-                        .H.topLeftCorner<6, 6>();
+double over_dispersion(const BlockSums& blocks, const TrackingOptions& options, bool of_depth) {
+  const NormalEquations equations =
+      of_depth
+          ? depth_equations(blocks.sums.depth, options.motion == MotionGroup::SIM3)
+          : photometric_equations(blocks.sums.photometric, options.affine.mode != AffineMode::NONE);
   std::vector<Vector9> gradients;
   for (const TileSums& tile : blocks.tiles) {
     if (!(tile.count > 0.0)) continue;
@@ -176,9 +159,9 @@ double over_dispersion(const BlockSums& blocks, bool of_depth) {
     gradients.push_back(g);
   }
   if (gradients.size() < kMinTiles) return kNan;
-  const Eigen::LDLT<Matrix6> ldlt(H);
+  const Matrix6 H = equations.H.topLeftCorner<6, 6>();
   const Matrix6 S = scatter_of_gradients(gradients).topLeftCorner<6, 6>();
-  return ldlt.solve(S).trace() / 6.0;
+  return H.ldlt().solve(S).trace() / 6.0;
 }
 
 void set_uncertainty(const BlockSums& blocks,
@@ -220,7 +203,7 @@ void set_agreement(const BlockSums& blocks, int num_points, AlignmentResult& res
   result.overlap = num_points > 0 ? in_view / num_points : 0.0;
   result.usage = num_points > 0 ? sums.usage / num_points : 0.0;
   result.good_ratio = in_view > 0.0 ? sums.good / in_view : 0.0;
-  result.correlation = median_correlation(blocks.tiles);
+  result.agreement = agreement(blocks.tiles);
   result.residual_variance = residual_variance(sums.photometric);
   result.depth_residual_variance = residual_variance(sums.depth);
 }

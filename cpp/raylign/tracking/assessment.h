@@ -19,7 +19,7 @@ struct BlockSums {
 /// Over-dispersion of a term: mean over the columns of the ratio of the variance of its gradient,
 /// estimated from blocks, to what H says. 1 for independent residuals with the right σ; n for
 /// residuals that come in n equal copies. NaN when there are too few blocks.
-double over_dispersion(const BlockSums& blocks, bool of_depth);
+double over_dispersion(const BlockSums& blocks, const TrackingOptions& options, bool of_depth);
 
 /// Information, both covariances, eigenvalues; `columns` are the free ones of [υ; ω; σ; a; b].
 void set_uncertainty(const BlockSums& blocks,
@@ -28,7 +28,7 @@ void set_uncertainty(const BlockSums& blocks,
                      double depth_weight,
                      AlignmentResult& result);
 
-/// Overlap, usage, good ratio, correlation, residual variances.
+/// Overlap, usage, good ratio, agreement, residual variances.
 void set_agreement(const BlockSums& blocks, int num_points, AlignmentResult& result);
 
 /// Decides status and reason from what the result holds.

@@ -15,7 +15,8 @@ constexpr int kStrip = 128;
 constexpr float kMaxInverseQ = 1e3F;
 constexpr float kGoodConstant = 1600.0F;  // LSD-SLAM: r² < 40² + |∇I|² / 4
 constexpr float kGoodGradient = 0.25F;
-constexpr float kMiddleGrey = 128.0F;
+constexpr float kAgreement = 9.0F;  // within three sigma
+constexpr int kPartnerShift = 5;
 
 typedef float Lanes __attribute__((vector_size(32), may_alias));
 typedef float Cell __attribute__((vector_size(16), may_alias));
@@ -356,33 +357,30 @@ RAYLIGN_INLINE void accumulate_status(
   }
 }
 
-RAYLIGN_INLINE void accumulate_tile(
-    const float* I, const float* sampled, const Residuals& in, int n, TileSums& tile) {
-  alignas(32) float h[kStrip];
-  alignas(32) float t[kStrip];
+// How many points agree, and how many would with the target taken at another point of the tile,
+// half the tile away and some: what a wrong pose scores.
+RAYLIGN_INLINE void accumulate_tile(const float* I,
+                                    const PassSettings& settings,
+                                    const float* sampled,
+                                    const Residuals& in,
+                                    int n,
+                                    TileSums& tile) {
+  const int shift = n / 2 + kPartnerShift;
+  int pairs = 0;
+  int agree = 0;
+  int by_chance = 0;
   for (int i = 0; i < n; ++i) {
-    h[i] = in.ok[i] != 0 ? I[i] - kMiddleGrey : 0.0F;
-    t[i] = in.ok[i] != 0 ? sampled[4 * i] - kMiddleGrey : 0.0F;
+    const int partner = (i + shift) % n;
+    if (in.ok[i] == 0 || in.ok[partner] == 0) continue;
+    const float limit = kAgreement * in.variance[i];
+    const float other = photometric_residual(I[i], sampled[4 * partner], settings.gain, settings.b);
+    ++pairs;
+    agree += in.r[i] * in.r[i] < limit ? 1 : 0;
+    by_chance += other * other < limit ? 1 : 0;
   }
-  Lanes sum_h = {};
-  Lanes sum_t = {};
-  Lanes sum_hh = {};
-  Lanes sum_tt = {};
-  Lanes sum_ht = {};
-  for (int i = 0; i < n; i += kLanes) {
-    const Lanes a = load(h + i);
-    const Lanes b = load(t + i);
-    sum_h += a;
-    sum_t += b;
-    sum_hh += a * a;
-    sum_tt += b * b;
-    sum_ht += a * b;
-  }
-  tile.I_h += sum_lanes(sum_h);
-  tile.I_t += sum_lanes(sum_t);
-  tile.I_hh += sum_lanes(sum_hh);
-  tile.I_tt += sum_lanes(sum_tt);
-  tile.I_ht += sum_lanes(sum_ht);
+  tile.pairs += pairs;
+  tile.agree += agree;
+  tile.agree_by_chance += by_chance;
 }
 
 RAYLIGN_INLINE void store(const float* from, int n, float* to) {
@@ -428,7 +426,9 @@ RAYLIGN_CLONES void evaluate(const PointArrays& points,
     }
     accumulate_costs(residuals, n, photometric);
     accumulate_status(warped, points.D + first, residuals, n, good, usage);
-    if (tile != nullptr) accumulate_tile(points.I + first, sampled, residuals, n, *tile);
+    if (tile != nullptr) {
+      accumulate_tile(points.I + first, settings, sampled, residuals, n, *tile);
+    }
     if (target.depth == nullptr) continue;
     sample_strip(&target.depth->D, target.width, warped, n, sampled);
     depth_strip(points, target, settings, warped, sampled, first, n, residuals);

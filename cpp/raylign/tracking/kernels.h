@@ -99,7 +99,10 @@ struct TileSums {
   double g_photometric[kMaxColumns];
   double g_depth[kMaxColumns];
   double count;
-  double I_h, I_t, I_hh, I_tt, I_ht;  ///< sums of intensities less 128 and of their products
+  /// Of points whose partner, another point of the tile, has a residual, too: how many there are,
+  /// how many agree (r² < 9 σ_r²), and how many would agree with the target at their partner's
+  /// place.
+  double pairs, agree, agree_by_chance;
 };
 
 /// Points [begin, end) of one or more tiles: adds to `sums`, writes σ² of this pose to `variances`.

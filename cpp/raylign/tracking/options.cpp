@@ -34,8 +34,7 @@ void AcceptanceOptions::validate() const {
   require_option(min_points >= 1, "AcceptanceOptions.min_points", ">= 1", min_points);
   require_share("AcceptanceOptions.min_overlap", min_overlap);
   require_share("AcceptanceOptions.min_good_ratio", min_good_ratio);
-  require_option(min_correlation >= -1.0 && min_correlation <= 1.0,
-                 "AcceptanceOptions.min_correlation", "in [-1, 1]", min_correlation);
+  require_share("AcceptanceOptions.min_agreement", min_agreement);
   require_positive("AcceptanceOptions.max_translation", max_translation);
   require_positive("AcceptanceOptions.max_rotation", max_rotation);
   require_positive("AcceptanceOptions.max_sigma", max_sigma);

@@ -47,7 +47,7 @@ struct AffineOptions {
   /// Prior of JOINT, as if each point were a measurement of a = 0 and of b = 0 with these standard
   /// deviations (grey levels per σ_I² are what a point measures itself); > 0.
   double prior_sigma_a = 1.0;
-  double prior_sigma_b = 100.0;  ///< grey levels
+  double prior_sigma_b = 10.0;  ///< grey levels
 
   void validate() const;
 };
@@ -65,10 +65,10 @@ struct DepthTermOptions {
 
 /// When a result is not OK. A ratio is one of reference points, never of pixels.
 struct AcceptanceOptions {
-  int min_points = 50;           ///< reference points on the finest level, >= 1
-  double min_overlap = 0.3;      ///< share of them within the target's view, in [0, 1]
-  double min_good_ratio = 0.5;   ///< share of those in view with r² < 40² + |∇I|²/4, in [0, 1]
-  double min_correlation = 0.5;  ///< median correlation of intensities within a block, in [−1, 1]
+  int min_points = 50;          ///< reference points on the finest level, >= 1
+  double min_overlap = 0.3;     ///< share of them within the target's view, in [0, 1]
+  double min_good_ratio = 0.5;  ///< share of those in view with r² < 40² + |∇I|²/4, in [0, 1]
+  double min_agreement = 0.15;  ///< AlignmentResult::agreement, in [0, 1]
   /// Bounds of the motion from keyframe to target: translation as a share of the mean depth, and
   /// rotation in rad; > 0.
   double max_translation = 1.0;

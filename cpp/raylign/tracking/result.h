@@ -67,13 +67,15 @@ struct AlignmentResult {
   double inflation = -1.0;
   double residual_variance = -1.0;  ///< Σ ρ′ n² / Σ ρ′: 1 when σ_r is right
   double depth_residual_variance = -1.0;
-  int num_points = 0;        ///< reference points of the finest level
-  double overlap = 0.0;      ///< share of them in view
-  double usage = 0.0;        ///< the same, points that recede counting less
-  double good_ratio = 0.0;   ///< share of those in view with r² < 40² + |∇I|²/4
-  double correlation = 0.0;  ///< median over blocks of the correlation of intensities
-  double a = 0.0;            ///< target brightness: r = I_h − (e^a I_t + b)
-  double b = 0.0;            ///< grey levels
+  int num_points = 0;       ///< reference points of the finest level
+  double overlap = 0.0;     ///< share of them in view
+  double usage = 0.0;       ///< the same, points that recede counting less
+  double good_ratio = 0.0;  ///< share of those in view with r² < 40² + |∇I|²/4
+  /// Share of points that agree within 3 σ_r beyond what a wrong pose scores by chance: 1 all, 0
+  /// none.
+  double agreement = 0.0;
+  double a = 0.0;  ///< target brightness: r = I_h − (e^a I_t + b)
+  double b = 0.0;  ///< grey levels
   double mean_inverse_depth = 0.0;
   std::vector<LevelResult> levels;  ///< coarse to fine
   AlignmentMaps maps;               ///< empty unless asked for

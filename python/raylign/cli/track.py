@@ -201,7 +201,7 @@ def row(result: OdometryResult) -> dict[str, Any]:
         "overlap": alignment.overlap,
         "usage": alignment.usage,
         "good_ratio": alignment.good_ratio,
-        "correlation": alignment.correlation,
+        "agreement": alignment.agreement,
         "residual_variance": alignment.residual_variance,
         "depth_residual_variance": alignment.depth_residual_variance,
         "a": alignment.a,

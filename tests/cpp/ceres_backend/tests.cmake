@@ -1,3 +1,4 @@
 raylign_add_test(ceres_backend cost_functions_test.cpp)
 raylign_add_test(ceres_backend parity_test.cpp LINK raylign_bundle)
 raylign_add_test(ceres_backend pose_manifold_test.cpp)
+raylign_add_test(ceres_backend photometric_alignment_test.cpp LINK raylign_tracking)

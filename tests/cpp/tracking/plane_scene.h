@@ -10,7 +10,8 @@
 
 namespace raylign::test {
 
-/// A slanted plane with a texture of sines, seen by a pinhole: image and inverse depth are exact.
+/// The inside of a corner of slanted planes with a texture of sines, seen by a pinhole: image and
+/// inverse depth are exact, nothing is hidden.
 struct PlaneScene {
   int width = 160;
   int height = 120;
@@ -20,11 +21,25 @@ struct PlaneScene {
   PinholeCamera camera() const {
     return {0.82 * width, 0.82 * width, 0.5 * (width - 1), 0.5 * (height - 1)};
   }
-  double texture(double x, double y) const {
-    x *= frequency / scale;
-    y *= frequency / scale;
-    return 128.0 + 35.0 * std::sin(10.0 * x) + 30.0 * std::cos(9.0 * y) +
-           25.0 * std::sin(6.0 * x + 8.0 * y) + 15.0 * std::sin(22.0 * x - 15.0 * y);
+  double texture(const Vector3& X) const {
+    const Vector3 p = X * (frequency / scale);
+    return 128.0 + 35.0 * std::sin(9.0 * p.x() + 2.0 * p.z()) +
+           30.0 * std::cos(8.0 * p.y() - 3.0 * p.z()) + 25.0 * std::sin(6.0 * p.x() + 8.0 * p.y()) +
+           15.0 * std::sin(20.0 * p.x() - 15.0 * p.y() + 5.0 * p.z());
+  }
+  /// Depth along a ray from t: the nearest plane n · X = d.
+  double depth(const Vector3& t, const Vector3& ray) const {
+    const double planes[][4] = {{-0.3, 0.1, 1.0, 2.2},
+                                {0.75, 0.1, 0.65, 1.9},
+                                {-0.8, 0.1, 0.55, 1.7},
+                                {0.05, 0.85, 0.5, 1.7}};
+    double nearest = 1e9;
+    for (const auto& p : planes) {
+      const Vector3 n(p[0], p[1], p[2]);
+      const double z = (p[3] * scale - n.dot(t)) / n.dot(ray);
+      if (z > 0.0 && z < nearest) nearest = z;
+    }
+    return nearest;
   }
   /// T_th: host to this view.
   void render(const Matrix4& T_th, Plane<float>& image, Plane<float>& D) const {
@@ -32,16 +47,14 @@ struct PlaneScene {
     const Matrix4 T_ht = se3_inverse(T_th);
     const Matrix3 R = T_ht.topLeftCorner<3, 3>();
     const Vector3 t = T_ht.topRightCorner<3, 1>();
-    const Vector3 normal(-0.3, 0.1, 1.0);
     image.resize(width, height);
     D.resize(width, height);
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
         const Vector3 ray = R * Vector3((u - K.cx()) / K.fx(), (v - K.cy()) / K.fy(), 1.0);
-        const double depth = (2.0 * scale - normal.dot(t)) / normal.dot(ray);
-        const Vector3 X = t + depth * ray;
-        image.at(u, v) = static_cast<float>(texture(X.x(), X.y()));
-        D.at(u, v) = static_cast<float>(1.0 / depth);
+        const double z = depth(t, ray);
+        image.at(u, v) = static_cast<float>(texture(t + z * ray));
+        D.at(u, v) = static_cast<float>(1.0 / z);
       }
     }
   }
