@@ -1433,7 +1433,7 @@ class AcceptanceOptions:
     min_points: int
     min_overlap: float
     min_good_ratio: float
-    min_correlation: float
+    min_agreement: float
     max_translation: float
     max_rotation: float
     max_sigma: float
@@ -1443,7 +1443,7 @@ class AcceptanceOptions:
         min_points: int = ...,
         min_overlap: float = ...,
         min_good_ratio: float = ...,
-        min_correlation: float = ...,
+        min_agreement: float = ...,
         max_translation: float = ...,
         max_rotation: float = ...,
         max_sigma: float = ...,
@@ -1454,7 +1454,7 @@ class AcceptanceOptions:
         min_points: int = ...,
         min_overlap: float = ...,
         min_good_ratio: float = ...,
-        min_correlation: float = ...,
+        min_agreement: float = ...,
         max_translation: float = ...,
         max_rotation: float = ...,
         max_sigma: float = ...,
@@ -1642,7 +1642,7 @@ class AlignmentResult:
     @property
     def good_ratio(self) -> float: ...
     @property
-    def correlation(self) -> float: ...
+    def agreement(self) -> float: ...
     @property
     def a(self) -> float: ...
     @property
