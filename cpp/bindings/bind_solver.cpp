@@ -58,6 +58,13 @@ void bind_bundle_enums(py::module_& m) {
       .value("HOMOGENEOUS", PointParametrization::HOMOGENEOUS)
       .value("INVERSE_DEPTH", PointParametrization::INVERSE_DEPTH)
       .finalize();
+  py::native_enum<JacobianStorage>(m, "JacobianStorage", "enum.Enum",
+                                   "How the native engine keeps the Jacobian; AUTO: FLOAT above a "
+                                   "million observations.")
+      .value("AUTO", JacobianStorage::AUTO)
+      .value("DOUBLE", JacobianStorage::DOUBLE)
+      .value("FLOAT", JacobianStorage::FLOAT)
+      .finalize();
   py::native_enum<Gauge>(
       m, "Gauge", "enum.Enum",
       "What removes the seven similarity freedoms: FREE nothing; FIRST_CAMERA the pose of the "
@@ -122,6 +129,7 @@ void bind_bundle_options(py::module_& m) {
       .field("loss", &O::loss, "Robust law of ‖r‖² per observation, scale in px.")
       .field("lm", &O::lm, "LmOptions.")
       .field("linear_solver", &O::linear_solver, "LinearSolverOptions.")
+      .field("jacobian_storage", &O::jacobian_storage, "JacobianStorage; backend NATIVE only.")
       .finish();
 }
 
@@ -197,6 +205,8 @@ void bind_summary(py::module_& m) {
           .field("linear_solver", &S::linear_solver, "What ran.")
           .field("linear_solver_reason", &S::linear_solver_reason,
                  "Why AUTO picked it, or 'requested'.")
+          .field("jacobian_storage", &S::jacobian_storage,
+                 "'double', 'float', or why float became double.")
           .field("num_threads", &S::num_threads, "Used.")
           .field("deterministic", &S::deterministic, "Same input, same bits, on this machine.")
           .field("preprocessor_time_s", &S::preprocessor_time_s, "Building the problem.")

@@ -371,6 +371,11 @@ class PointParametrization(enum.Enum):
     HOMOGENEOUS = 1
     INVERSE_DEPTH = 2
 
+class JacobianStorage(enum.Enum):
+    AUTO = 0
+    DOUBLE = 1
+    FLOAT = 2
+
 class Gauge(enum.Enum):
     FREE = 0
     FIRST_CAMERA = 1
@@ -484,6 +489,7 @@ class BundleOptions:
     loss: Loss
     lm: LmOptions
     linear_solver: LinearSolverOptions
+    jacobian_storage: JacobianStorage
     def __init__(
         self,
         *,
@@ -493,6 +499,7 @@ class BundleOptions:
         loss: Loss | str = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
+        jacobian_storage: JacobianStorage | str = ...,
     ) -> None: ...
     def replace(
         self,
@@ -503,6 +510,7 @@ class BundleOptions:
         loss: Loss | str = ...,
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
+        jacobian_storage: JacobianStorage | str = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -641,6 +649,7 @@ class Summary:
     num_effective_parameters: int
     linear_solver: LinearSolverType
     linear_solver_reason: str
+    jacobian_storage: str
     num_threads: int
     deterministic: bool
     preprocessor_time_s: float
@@ -663,6 +672,7 @@ class Summary:
         num_effective_parameters: int = ...,
         linear_solver: LinearSolverType | str = ...,
         linear_solver_reason: str = ...,
+        jacobian_storage: str = ...,
         num_threads: int = ...,
         deterministic: bool = ...,
         preprocessor_time_s: float = ...,
@@ -686,6 +696,7 @@ class Summary:
         num_effective_parameters: int = ...,
         linear_solver: LinearSolverType | str = ...,
         linear_solver_reason: str = ...,
+        jacobian_storage: str = ...,
         num_threads: int = ...,
         deterministic: bool = ...,
         preprocessor_time_s: float = ...,

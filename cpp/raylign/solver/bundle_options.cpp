@@ -2,12 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/solver/bundle_options.h"
 
+#include "raylign/base/error.h"
+
 namespace raylign {
 
 void BundleOptions::validate() const {
   loss.validate();
   lm.validate();
   linear_solver.validate();
+  if (jacobian_storage == JacobianStorage::FLOAT && backend != Backend::NATIVE) {
+    throw OptionsError("BundleOptions.jacobian_storage FLOAT needs backend NATIVE, got " +
+                       to_string(backend));
+  }
 }
 
 std::string to_string(Backend backend) {
@@ -40,6 +46,18 @@ std::string to_string(PointParametrization parametrization) {
       return "homogeneous";
     case PointParametrization::INVERSE_DEPTH:
       return "inverse_depth";
+  }
+  return "unknown";
+}
+
+std::string to_string(JacobianStorage storage) {
+  switch (storage) {
+    case JacobianStorage::AUTO:
+      return "auto";
+    case JacobianStorage::DOUBLE:
+      return "double";
+    case JacobianStorage::FLOAT:
+      return "float";
   }
   return "unknown";
 }

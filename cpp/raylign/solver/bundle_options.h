@@ -30,6 +30,14 @@ enum class PointParametrization {
   INVERSE_DEPTH,  ///< (α, β, ρ) in the frame of the first camera that sees the point
 };
 
+/// How NATIVE keeps the Jacobian between the passes of an iteration. All arithmetic is in double
+/// either way, and the minimum is the same: the gradient is never rounded.
+enum class JacobianStorage {
+  AUTO,    ///< FLOAT above a million observations
+  DOUBLE,  ///< 96 bytes per observation
+  FLOAT,   ///< 48 bytes; DOUBLE from the moment on when steps suffer (Summary::jacobian_storage)
+};
+
 /// How a bundle adjustment is solved (what is held fixed: BundleConfig).
 struct BundleOptions {
   Backend backend = Backend::CERES;
@@ -38,6 +46,7 @@ struct BundleOptions {
   Loss loss;
   LmOptions lm;
   LinearSolverOptions linear_solver;
+  JacobianStorage jacobian_storage = JacobianStorage::AUTO;  ///< NATIVE only.
 
   void validate() const;
 };
@@ -45,5 +54,6 @@ struct BundleOptions {
 std::string to_string(Backend backend);
 std::string to_string(PoseParametrization parametrization);
 std::string to_string(PointParametrization parametrization);
+std::string to_string(JacobianStorage storage);
 
 }  // namespace raylign

@@ -51,6 +51,7 @@ std::string Summary::full_report() const {
   text += format("free parameters    %d\n", num_effective_parameters);
   text += format("linear solver      %s (%s)\n", to_string(linear_solver).c_str(),
                  linear_solver_reason.c_str());
+  text += format("Jacobian storage   %s\n", jacobian_storage.c_str());
   text += format("initial cost       %.15e\n", initial_cost);
   text += format("final cost         %.15e\n", final_cost);
   text += format("steps              %d accepted, %d rejected\n", num_accepted, num_rejected);

@@ -29,6 +29,14 @@ class Point(enum.StrEnum):
     INVERSE_DEPTH = "inverse_depth"
 
 
+class Storage(enum.StrEnum):
+    """raylign.JacobianStorage."""
+
+    AUTO = "auto"
+    DOUBLE = "double"
+    FLOAT = "float"
+
+
 class LinearSolver(enum.StrEnum):
     """raylign.LinearSolverType."""
 

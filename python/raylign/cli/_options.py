@@ -11,6 +11,7 @@ from raylign.bundle import (
     BundleOptions,
     ConstantCoordinate,
     Gauge,
+    JacobianStorage,
     LinearSolverOptions,
     LinearSolverType,
     LmOptions,
@@ -59,6 +60,15 @@ PoseOpt = Annotated[
 ]
 PointOpt = Annotated[
     choices.Point, choice_option(choices.Point, "--point", help="How a point moves", panel=_SOLVER)
+]
+JacobianStorageOpt = Annotated[
+    choices.Storage,
+    choice_option(
+        choices.Storage,
+        "--jacobian-storage",
+        help="How --backend native keeps the Jacobian; auto: float above a million observations",
+        panel=_SOLVER,
+    ),
 ]
 LinearSolverOpt = Annotated[
     choices.LinearSolver,
@@ -162,6 +172,7 @@ def bundle_options(
     pose: choices.Pose,
     point: choices.Point,
     linear_solver: LinearSolverOptions,
+    jacobian_storage: choices.Storage,
     lm: LmOptions,
 ) -> BundleOptions:
     """Build the library's options from the command line's words."""
@@ -172,6 +183,7 @@ def bundle_options(
         loss=Loss.parse(loss),
         lm=lm,
         linear_solver=linear_solver,
+        jacobian_storage=choices.library_value(JacobianStorage, jacobian_storage),
     )
 
 

@@ -81,6 +81,7 @@ def bundle(
     explicit_schur: opt.ExplicitSchurOpt = False,
     max_num_linear_iterations: opt.MaxLinearOpt = _LINEAR.max_num_iterations,
     forcing_tolerance: opt.ForcingOpt = _LINEAR.forcing_tolerance,
+    jacobian_storage: opt.JacobianStorageOpt = choices.Storage.AUTO,
     num_threads: opt.NumThreadsOpt = _LM.num_threads,
     gauge: opt.GaugeOpt = choices.GaugeChoice.FREE,
     fix_intrinsics: opt.FixIntrinsicsOpt = False,
@@ -117,6 +118,7 @@ def bundle(
             max_num_linear_iterations,
             forcing_tolerance,
         ),
+        jacobian_storage=jacobian_storage,
         lm=LmOptions(
             max_num_iterations=max_num_iterations,
             max_solver_time_s=max_solver_time_s,

@@ -42,9 +42,10 @@ struct Fixture {
     }
     std::vector<CameraRows> scratch(layout.max_window());
     cost = body(layout.observations(), 0, layout.num_windows(), cameras.packets(), X.data(), &loss,
-                J.data(), blocks.data(), sums.data(), 0, scratch.data());
+                {J.data(), nullptr}, blocks.data(), sums.data(), 0, scratch.data());
   }
   Vector3 point(std::int64_t j) const { return Eigen::Map<const Vector3>(X.data() + 3 * j); }
+  Jacobians jacobians() const { return {const_cast<ObservationJacobian*>(J.data()), nullptr}; }
   Vector2 uv(std::int64_t q) const { return Eigen::Map<const Vector2>(layout.uv.data() + 2 * q); }
 };
 
@@ -139,7 +140,7 @@ class Subtraction : public testing::TestWithParam<bool> {  // long tracks: no pl
     const ProductWindows windows{static_cast<std::int64_t>(plan_.windows.size()),
                                  plan_.windows.data(), plan_.visits.data(), plan_.products.data()};
     for (const auto& [begin, end] : {std::pair(0, 2), std::pair(2, count)}) {
-      subtract(s.layout.observations(), windows, s.cameras.packets(), s.X.data(), s.J.data(),
+      subtract(s.layout.observations(), windows, s.cameras.packets(), s.X.data(), s.jacobians(),
                s.blocks.data(), factors.data(), begin, end, S, scratch.data());
     }
     for (int i = 0; i < count; ++i) {

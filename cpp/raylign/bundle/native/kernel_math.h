@@ -54,6 +54,15 @@ RAYLIGN_INLINE double dot3(const double* a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+// J of one observation; the branch is the same for all of a solve.
+RAYLIGN_INLINE ObservationJacobian load(const Jacobians& J, std::int64_t q) {
+  if (J.rounded == nullptr) return J.exact[q];
+  ObservationJacobian out;
+  for (int k = 0; k < 6; ++k) out.A[k] = J.rounded[q].A[k];
+  for (int k = 0; k < 6; ++k) out.I[k] = J.rounded[q].I[k];
+  return out;
+}
+
 // y = Wᵀ x and y = W x for the upper triangle W = (xx, xy, xz, yy, yz, zz).
 RAYLIGN_INLINE void multiply_transposed(const double* W, const double* x, double* y) {
   y[0] = W[0] * x[0];

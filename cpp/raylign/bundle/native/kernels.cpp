@@ -26,7 +26,11 @@ RAYLIGN_INLINE double apply_loss(const Loss& loss, double s, ObservationJacobian
   return value.rho;
 }
 
-RAYLIGN_INLINE void add_landmark(const double* A, const double* r, LandmarkBlock& block) {
+RAYLIGN_INLINE void add_gradient(const double* A, const double* r, LandmarkBlock& block) {
+  for (int k = 0; k < 3; ++k) block.g[k] += A[k] * r[0] + A[3 + k] * r[1];
+}
+
+RAYLIGN_INLINE void add_hessian(const double* A, LandmarkBlock& block) {
   const double* b = A + 3;
   block.H[0] += A[0] * A[0] + b[0] * b[0];
   block.H[1] += A[0] * A[1] + b[0] * b[1];
@@ -34,7 +38,38 @@ RAYLIGN_INLINE void add_landmark(const double* A, const double* r, LandmarkBlock
   block.H[3] += A[1] * A[1] + b[1] * b[1];
   block.H[4] += A[1] * A[2] + b[1] * b[2];
   block.H[5] += A[2] * A[2] + b[2] * b[2];
-  for (int k = 0; k < 3; ++k) block.g[k] += A[k] * r[0] + b[k] * r[1];
+}
+
+// Stores J and rounds it; adds to the camera's gradient what rounding takes from Fᵀr, because a
+// gradient of rounded numbers vanishes elsewhere than the true one.
+template <typename Point>
+RAYLIGN_INLINE void store_rounded(Point kind,
+                                  ObservationJacobian& J,
+                                  const double* X,
+                                  const double* c,
+                                  const double* r,
+                                  RoundedJacobian& out,
+                                  double* g) {
+  double lost_A[6];
+  double lost_I[6];
+  for (int k = 0; k < 6; ++k) {
+    out.A[k] = static_cast<float>(J.A[k]);
+    out.I[k] = static_cast<float>(J.I[k]);
+    lost_A[k] = J.A[k] - out.A[k];
+    lost_I[k] = J.I[k] - out.I[k];
+    J.A[k] = out.A[k];
+    J.I[k] = out.I[k];
+  }
+  const double w = weight(kind, X);
+  double a[3];
+  ray(kind, X, c, a);
+  double force[3];  // of the lost part of A; Fᵀr = [a × Aᵀr; −w Aᵀr; Iᵀr]
+  double torque[3];
+  for (int k = 0; k < 3; ++k) force[k] = lost_A[k] * r[0] + lost_A[3 + k] * r[1];
+  cross(a, force, torque);
+  for (int k = 0; k < 3; ++k) g[k] += torque[k];
+  for (int k = 0; k < 3; ++k) g[3 + k] -= w * force[k];
+  for (int k = 0; k < 3; ++k) g[6 + k] += lost_I[k] * r[0] + lost_I[3 + k] * r[1];
 }
 
 // F = [a × A | −w A | I] and r.
@@ -69,15 +104,17 @@ RAYLIGN_INLINE bool linearize_landmark(Point kind,
                                        const CameraPacket* packets,
                                        const double* X,
                                        const Loss* loss,
-                                       ObservationJacobian* J,
+                                       const Jacobians& J,
                                        LandmarkBlock* blocks,
+                                       CameraSums* cameras,
                                        CameraRows* rows,
                                        double& cost) {
   const double* X_j = X + std::int64_t{Point::kStride} * j;
   const Householder H = tangent_at(kind, X_j);
   LandmarkBlock block = {};
   for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
-    const CameraPacket& camera = packets[observations.camera[q]];
+    const std::int32_t i = observations.camera[q];
+    const CameraPacket& camera = packets[i];
     double P[3];
     transform(kind, camera, X_j, P);
     typename Camera::Projection p;
@@ -88,10 +125,16 @@ RAYLIGN_INLINE bool linearize_landmark(Point kind,
     jacobian(camera_kind, camera, p, J_q);
     const double s = r[0] * r[0] + r[1] * r[1];
     cost += loss == nullptr ? s : apply_loss(*loss, s, J_q, r);
-    J[q] = J_q;
     double E[6];
     point_rows(kind, H, J_q.A, camera.c, E);
-    add_landmark(E, r, block);
+    add_gradient(E, r, block);
+    if (J.rounded == nullptr) {
+      J.exact[q] = J_q;
+    } else {
+      store_rounded(kind, J_q, X_j, camera.c, r, J.rounded[q], cameras[i].g);
+      point_rows(kind, H, J_q.A, camera.c, E);
+    }
+    add_hessian(E, block);
     write_rows(kind, J_q, X_j, camera.c, r, *rows++);
   }
   blocks[j] = block;
@@ -170,7 +213,7 @@ RAYLIGN_INLINE double linearize_windows(Point kind,
                                         const CameraPacket* packets,
                                         const double* X,
                                         const Loss* loss,
-                                        ObservationJacobian* J,
+                                        const Jacobians& J,
                                         LandmarkBlock* blocks,
                                         CameraSums* cameras,
                                         std::int32_t first_camera,
@@ -180,8 +223,8 @@ RAYLIGN_INLINE double linearize_windows(Point kind,
     const std::int64_t first = observations.starts[observations.windows[w]];
     for (auto j = observations.windows[w]; j < observations.windows[w + 1]; ++j) {
       CameraRows* rows = scratch + (observations.starts[j] - first);
-      if (!linearize_landmark(kind, camera_kind, observations, j, packets, X, loss, J, blocks, rows,
-                              cost)) {
+      if (!linearize_landmark(kind, camera_kind, observations, j, packets, X, loss, J, blocks,
+                              cameras - first_camera, rows, cost)) {
         return NAN;
       }
     }
@@ -206,7 +249,7 @@ RAYLIGN_INLINE double linearize_points(Point kind,
                                        const CameraPacket* packets,
                                        const double* X,
                                        const Loss* loss,
-                                       ObservationJacobian* J,
+                                       const Jacobians& J,
                                        LandmarkBlock* blocks,
                                        CameraSums* cameras,
                                        std::int32_t first_camera,
@@ -231,7 +274,7 @@ RAYLIGN_CLONES double narrow_body(const Observations& observations,
                                   const CameraPacket* packets,
                                   const double* X,
                                   const Loss* loss,
-                                  ObservationJacobian* J,
+                                  const Jacobians& J,
                                   LandmarkBlock* blocks,
                                   CameraSums* cameras,
                                   std::int32_t first_camera,
@@ -250,7 +293,7 @@ RAYLIGN_AVX512 double wide_body(const Observations& observations,
                                 const CameraPacket* packets,
                                 const double* X,
                                 const Loss* loss,
-                                ObservationJacobian* J,
+                                const Jacobians& J,
                                 LandmarkBlock* blocks,
                                 CameraSums* cameras,
                                 std::int32_t first_camera,
@@ -273,7 +316,7 @@ RAYLIGN_INLINE TrialSums try_points(Point kind,
                                     const CameraPacket* trial_packets,
                                     const double* X,
                                     const Loss* loss,
-                                    const ObservationJacobian* J,
+                                    const Jacobians& J,
                                     const LandmarkBlock* blocks,
                                     const LandmarkFactor* factors,
                                     const double* delta,
@@ -297,11 +340,12 @@ RAYLIGN_INLINE TrialSums try_points(Point kind,
       double moved[3];  // Fδ = A (ω × a − w δc) + I δ(f, k1, k2)
       cross(d, a, moved);
       for (int k = 0; k < 3; ++k) moved[k] -= w * d[3 + k];
+      const ObservationJacobian J_q = load(J, q);
       double* v = scratch + 2 * (q - first);
-      v[0] = dot3(J[q].A, moved) + dot3(J[q].I, d + 6);
-      v[1] = dot3(J[q].A + 3, moved) + dot3(J[q].I + 3, d + 6);
+      v[0] = dot3(J_q.A, moved) + dot3(J_q.I, d + 6);
+      v[1] = dot3(J_q.A + 3, moved) + dot3(J_q.I + 3, d + 6);
       double E[6];
-      point_rows(kind, H, J[q].A, c, E);
+      point_rows(kind, H, J_q.A, c, E);
       for (int k = 0; k < 3; ++k) y[k] += E[k] * v[0] + E[3 + k] * v[1];
     }
     const double* W = factors[j].W;
@@ -318,9 +362,10 @@ RAYLIGN_INLINE TrialSums try_points(Point kind,
     move_point(kind, H, X_j, step, X_new);
     sums.model_decrease -= dot3(blocks[j].g, step);
     for (std::int64_t q = first; q < last; ++q) {
+      const ObservationJacobian J_q = load(J, q);
       const double* v = scratch + 2 * (q - first);
       double E[6];
-      point_rows(kind, H, J[q].A, packets[observations.camera[q]].c, E);
+      point_rows(kind, H, J_q.A, packets[observations.camera[q]].c, E);
       const double u0 = v[0] + dot3(E, step);
       const double u1 = v[1] + dot3(E + 3, step);
       sums.model_decrease -= 0.5 * (u0 * u0 + u1 * u1);
@@ -349,7 +394,7 @@ RAYLIGN_INLINE TrialSums try_cameras(Point kind,
                                      const CameraPacket* trial_packets,
                                      const double* X,
                                      const Loss* loss,
-                                     const ObservationJacobian* J,
+                                     const Jacobians& J,
                                      const LandmarkBlock* blocks,
                                      const LandmarkFactor* factors,
                                      const double* delta,
@@ -381,7 +426,7 @@ double linearize(const Observations& observations,
                  const CameraPacket* packets,
                  const double* X,
                  const Loss* loss,
-                 ObservationJacobian* J,
+                 const Jacobians& J,
                  LandmarkBlock* blocks,
                  CameraSums* cameras,
                  std::int32_t first_camera,
@@ -398,7 +443,7 @@ RAYLIGN_CLONES TrialSums try_landmarks(const Observations& observations,
                                        const CameraPacket* trial_packets,
                                        const double* X,
                                        const Loss* loss,
-                                       const ObservationJacobian* J,
+                                       const Jacobians& J,
                                        const LandmarkBlock* blocks,
                                        const LandmarkFactor* factors,
                                        const double* delta,

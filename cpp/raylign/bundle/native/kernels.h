@@ -43,6 +43,19 @@ struct ObservationJacobian {
   double I[6];
 };
 
+/// The same rounded once, in half the memory; everything but the gradient is made of the rounded
+/// numbers, in double, so that S stays positive semidefinite and keeps its gauge directions.
+struct RoundedJacobian {
+  float A[6];
+  float I[6];
+};
+
+/// J of all observations: in `rounded`, or in `exact` where that is null.
+struct Jacobians {
+  ObservationJacobian* exact;
+  RoundedJacobian* rounded;
+};
+
 /// H = Σ EᵀE as (xx, xy, xz, yy, yz, zz) and g = Σ Eᵀr of a landmark.
 struct LandmarkBlock {
   double H[6];
@@ -106,7 +119,7 @@ double linearize(const Observations& observations,
                  const CameraPacket* packets,
                  const double* X,
                  const Loss* loss,
-                 ObservationJacobian* J,
+                 const Jacobians& J,
                  LandmarkBlock* blocks,
                  CameraSums* cameras,
                  std::int32_t first_camera,
@@ -135,7 +148,7 @@ TrialSums try_landmarks(const Observations& observations,
                         const CameraPacket* trial_packets,
                         const double* X,
                         const Loss* loss,
-                        const ObservationJacobian* J,
+                        const Jacobians& J,
                         const LandmarkBlock* blocks,
                         const LandmarkFactor* factors,
                         const double* delta,

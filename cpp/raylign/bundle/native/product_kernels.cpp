@@ -25,7 +25,7 @@ RAYLIGN_INLINE void multiply_points(Point kind,
     const Householder H = tangent_at(kind, X_j);
     double s[3] = {};  // Σ Eᵀ F x
     for (std::int64_t q = first; q < last; ++q) {
-      const ObservationJacobian& J = problem.J[q];
+      const ObservationJacobian J = load(problem.J, q);
       const std::int64_t i = observations.camera[q];
       const double* d = x + i * kRow;
       const double* c = problem.packets[i].c;
@@ -46,7 +46,7 @@ RAYLIGN_INLINE void multiply_points(Point kind,
     multiply_transposed(problem.factors[j].W, s, w);
     multiply(problem.factors[j].W, w, z);
     for (std::int64_t q = first; q < last; ++q) {
-      const ObservationJacobian& J = problem.J[q];
+      const ObservationJacobian J = load(problem.J, q);
       const std::int64_t i = observations.camera[q];
       const double* c = problem.packets[i].c;
       double a[3];

@@ -13,7 +13,7 @@ struct DampedProblem {
   Observations observations;
   const CameraPacket* packets;     ///< (C,)
   const double* X;                 ///< (L, 3)
-  const ObservationJacobian* J;    ///< (N,)
+  Jacobians J;                     ///< (N,)
   const LandmarkBlock* landmarks;  ///< (L,)
   const LandmarkFactor* factors;   ///< (L,) of the damped landmarks
   const CameraSums* cameras;       ///< (C,)

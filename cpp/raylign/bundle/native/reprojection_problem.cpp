@@ -44,10 +44,10 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
       held_(landmark_masks(layout_, held)),
       cameras_(scene, options.pose_parametrization, held, layout_.observed, frame_),
       pool_(options.lm.num_threads),
+      J_(options.jacobian_storage, layout_.num_observations()),
       solver_(make_linear_solver(options.linear_solver, {layout_, cameras_, pool_}, interrupted)) {
   const std::int64_t num_landmarks = layout_.num_landmarks();
   load_points(scene);
-  J_.resize(layout_.num_observations());
   landmark_blocks_.resize(num_landmarks);
   landmark_factors_.resize(num_landmarks);
   landmark_scales_.resize(3 * num_landmarks);
@@ -96,6 +96,7 @@ LmState ReprojectionProblem::linearize() {
   LmState state = linearize_chunks();
   state.gradient_max_norm = larger(state.gradient_max_norm, sum_cameras());
   if (!has_scales_) set_scales();
+  cost_ = state.cost;
   return state;
 }
 
@@ -114,7 +115,7 @@ void ReprojectionProblem::linearize_chunk(int g) {
   std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
   state.cost = native::linearize(
       layout_.observations(), layout_.chunk_windows[g], layout_.chunk_windows[g + 1],
-      cameras_.packets(), X_.data(), loss(), J_.data(), landmark_blocks_.data(),
+      cameras_.packets(), X_.data(), loss(), J_.view(), landmark_blocks_.data(),
       chunk_cameras_[g].data(), chunk_first_camera_[g], chunk_rows_[g].data());
   state.gradient_max_norm = 0.0;
   for (std::int64_t j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
@@ -220,14 +221,33 @@ LandmarkFactor ReprojectionProblem::factor_landmark(std::int64_t landmark, doubl
 DampedProblem ReprojectionProblem::damped(double lambda) {
   set_damping(lambda);
   return {observations(),      cameras_.packets(),      X_.data(),
-          J_.data(),           landmark_blocks_.data(), landmark_factors_.data(),
+          J_.view(),           landmark_blocks_.data(), landmark_factors_.data(),
           camera_sums_.data(), damping_.data(),         num_linearizations_};
 }
 
-LmSolve ReprojectionProblem::solve(double lambda, bool tight) {
+LmSolve ReprojectionProblem::solve_once(double lambda, bool tight) {
   DampedProblem problem = damped(lambda);
   problem.tight = tight;
-  return solver_->solve(problem, delta_.data());
+  const LmSolve step = solver_->solve(problem, delta_.data());
+  J_.observe(step);
+  return step;
+}
+
+LmSolve ReprojectionProblem::solve(double lambda, bool tight) {
+  lambda_ = lambda;
+  if (J_.wants_double()) promote_jacobians();
+  const LmSolve step = solve_once(lambda, tight);
+  if (step.solved || !J_.wants_double()) return step;
+  promote_jacobians();
+  return solve_once(lambda, tight);
+}
+
+// The same state linearised again, into the table in double.
+void ReprojectionProblem::promote_jacobians() {
+  J_.promote();
+  ++num_linearizations_;
+  linearize_chunks();
+  sum_cameras();
 }
 
 void ReprojectionProblem::set_canonical_step() {
@@ -255,7 +275,7 @@ LmTrial ReprojectionProblem::try_step() {
   pool_.run(layout_.num_chunks(), [&](int g) {
     chunk_trials_[g] =
         try_landmarks(observations(), layout_.chunks[g], layout_.chunks[g + 1], cameras_.packets(),
-                      cameras_.trial_packets(), X_.data(), loss(), J_.data(),
+                      cameras_.trial_packets(), X_.data(), loss(), J_.view(),
                       landmark_blocks_.data(), landmark_factors_.data(), canonical_delta_.data(),
                       X_trial_.data(), chunk_scratch_[g].data());
   });
@@ -268,8 +288,10 @@ LmTrial ReprojectionProblem::try_step() {
   }
   for (const double d : delta_) sums.squared_step += d * d;
   sums.squared_state += cameras_.squared_norm();
-  return {sums.cost, sums.model_decrease - camera_gradient_step(), std::sqrt(sums.squared_step),
-          std::sqrt(sums.squared_state)};
+  const LmTrial trial{sums.cost, sums.model_decrease - camera_gradient_step(),
+                      std::sqrt(sums.squared_step), std::sqrt(sums.squared_state)};
+  J_.observe(trial, cost_, lambda_);
+  return trial;
 }
 
 void ReprojectionProblem::accept() {

@@ -9,6 +9,7 @@
 
 #include "raylign/base/thread_pool.h"
 #include "raylign/bundle/native/camera_blocks.h"
+#include "raylign/bundle/native/jacobian_table.h"
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
 #include "raylign/bundle/native/make_solver.h"
@@ -20,7 +21,7 @@
 namespace raylign::native {
 
 /// A scene as the Levenberg-Marquardt loop sees it (solver/lm.h): XYZ or homogeneous points,
-/// landmarks eliminated. Nothing is allocated after construction.
+/// landmarks eliminated. Nothing is allocated after construction, but when J is promoted.
 class ReprojectionProblem {
  public:
   /// `scene` must have finite residuals; it is read here and not kept.
@@ -48,6 +49,7 @@ class ReprojectionProblem {
   DampedProblem damped(double lambda);
   LinearSolverType linear_solver() const { return solver_->type(); }
   std::string linear_solver_reason() const { return solver_->reason(); }
+  std::string jacobian_storage() const { return J_.description(); }
 
  private:
   Observations observations() const { return layout_.observations(); }
@@ -60,6 +62,8 @@ class ReprojectionProblem {
   void load_points(const BundleScene& scene);
   void load_point(const Vector3& X, double* out) const;
 
+  LmSolve solve_once(double lambda, bool tight);
+  void promote_jacobians();
   LmState linearize_chunks();
   void linearize_chunk(int chunk);
   double sum_cameras();
@@ -78,7 +82,7 @@ class ReprojectionProblem {
   ThreadPool pool_;
 
   std::vector<double> X_, X_trial_;  // (L, point_size())
-  std::vector<ObservationJacobian> J_;
+  JacobianTable J_;
   std::vector<LandmarkBlock> landmark_blocks_;
   std::vector<LandmarkFactor> landmark_factors_;
   std::vector<double> landmark_scales_;  // (L, 3)
@@ -95,6 +99,8 @@ class ReprojectionProblem {
   std::vector<double> delta_;                                                        // user columns
   std::vector<double> canonical_delta_;                                              // (C, kRow)
   std::unique_ptr<LinearSolver> solver_;
+  double cost_ = 0.0;    // of the current state
+  double lambda_ = 0.0;  // of the last solve
   int num_linearizations_ = 0;
   bool has_scales_ = false;
 };

@@ -75,6 +75,7 @@ Summary solve(BundleScene& scene,
   summary.num_effective_parameters = native_problem.num_effective_parameters();
   summary.linear_solver = native_problem.linear_solver();
   summary.linear_solver_reason = native_problem.linear_solver_reason();
+  summary.jacobian_storage = native_problem.jacobian_storage();
   summary.num_threads = options.lm.num_threads;
   summary.deterministic = true;
   summary.preprocessor_time_s = preprocessor_time_s;
