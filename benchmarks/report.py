@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/report.py benchmarks/results/2026-11-22.json
 
-Whatever stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in docs/benchmarks.md is
+Whatever stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in docs/benchmarks*.md is
 replaced by the table NAME; prose around it is written by hand.
 """
 
@@ -17,7 +17,7 @@ from pathlib import Path
 from harness import micro, plots, series, tables
 from harness.problems import ROOT
 
-DOCUMENT = ROOT / "docs" / "benchmarks.md"
+DOCUMENTS = [ROOT / "docs" / name for name in ("benchmarks.md", "benchmarks-roofline.md")]
 IMAGES = ROOT / "docs" / "images"
 BLOCK = re.compile(r"(<!-- begin (\S+) -->\n).*?(<!-- end \2 -->)", re.DOTALL)
 
@@ -131,6 +131,32 @@ def reference_table(loops: dict) -> str:
     return markdown(header, [[*r, f"{g:.2f}x"] for r, g in zip(rows, gains, strict=True)])
 
 
+def roofline_table(runs: list[dict], loops: dict) -> str:
+    """Each stage beside the longer of its two bounds: what memory and arithmetic allow."""
+    header = ["problem", "threads", "stage", "ns/obs", "B/obs", "flop/obs"]
+    header += ["memory bound, ns", "arithmetic bound, ns", "share of the bound"]
+    rows = []
+    for run in runs:
+        threads = run["threads"]
+        bandwidth = loops["triad_gb_per_s"][threads - 1]
+        arithmetic = loops["multiply_add_gflop_per_s"][threads - 1]
+        for stage in run["stages"]:
+            if "ns_per_observation" not in stage:
+                continue
+            ns = stage["ns_per_observation"]
+            row = [run["problem"], str(threads), stage["stage"].replace("_", " ")]
+            row.append(f"{ns:.1f}" if ns > 0.0 else "–")  # a difference of times, lost in noise
+            if stage["bytes_per_observation"] > 0.0 and ns > 0.0:
+                memory_ns = stage["bytes_per_observation"] / bandwidth
+                flop_ns = stage["flops_per_observation"] / arithmetic
+                row += [f"{stage['bytes_per_observation']:.0f}"]
+                row += [f"{stage['flops_per_observation']:.0f}"]
+                row += [f"{memory_ns:.1f}", f"{flop_ns:.1f}"]
+                row += [f"{100.0 * max(memory_ns, flop_ns) / ns:.0f} %"]
+            rows.append(row + [""] * (len(header) - len(row)))
+    return markdown(header, rows)
+
+
 def import_line(seconds: dict) -> str:
     return (
         f"`import raylign`: {seconds['raylign']:.2f} s in a fresh interpreter (median of 5, warm), "
@@ -165,6 +191,10 @@ def blocks(data: dict) -> dict[str, Callable[[], str]]:
     }.items():
         if name in results:
             made[name] = functools.partial(writer, results[name])
+    if "stages" in results:
+        made["roofline"] = functools.partial(
+            roofline_table, results["stages"], results["reference_loops"]
+        )
     for contest in held:
         made[f"contest:{contest['problem']}"] = functools.partial(tables.markdown_table, contest)
     return made
@@ -184,7 +214,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path)
     data = json.loads(parser.parse_args().results.read_text())
-    DOCUMENT.write_text(rewrite(DOCUMENT.read_text(), blocks(data)))
+    made = blocks(data)
+    for document in DOCUMENTS:
+        document.write_text(rewrite(document.read_text(), made))
     for path in plots.save_all(data["results"].get("contests", []), IMAGES):
         print(path.relative_to(ROOT))
 

@@ -24,7 +24,7 @@ from harness import machine, micro, problems, systems, tables
 from import_time import measure as measure_import
 
 RESULTS = problems.ROOT / "benchmarks" / "results"
-PARTS = ("contests", "jacobians", "reading", "reference_loops", "import")
+PARTS = ("contests", "jacobians", "reading", "reference_loops", "stages", "import")
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -115,6 +115,7 @@ def main() -> int:
         "jacobians": lambda: micro.bench_jacobians(folder, arguments.rounds or 5, console),
         "reading": lambda: micro.bench_reading(arguments.rounds or 5, console),
         "reference_loops": lambda: micro.bench_reference_loops(folder, console),
+        "stages": lambda: micro.bench_stages(folder, console),
         "import": measure_import,
     }
     chosen = [arguments.only] if arguments.only else list(parts)

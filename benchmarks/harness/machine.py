@@ -12,7 +12,7 @@ import raylign
 from harness.problems import ROOT
 
 BUILD = ROOT / "build" / "bench"
-PROGRAMS = ("bal_benchmark", "ceres_autodiff", "reference_loops")
+PROGRAMS = ("bal_benchmark", "ceres_autodiff", "native_stages", "reference_loops")
 
 
 def build_programs() -> Path:

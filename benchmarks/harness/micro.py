@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 import raylign
-from harness.problems import ROOT, SHARED
+from harness.problems import ROOT, SHARED, find_file
 
 
 def bal_files() -> list[Path]:
@@ -130,3 +130,21 @@ def bench_reference_loops(folder: Path, console: Console) -> dict:
         "{multiply_add_gflop_per_s[0]} -> {multiply_add_gflop_per_s[1]} GFLOP/s".format(**row)
     )
     return row
+
+
+def bench_stages(folder: Path, console: Console) -> list[dict]:
+    """Each stage of a native iteration, with the bytes and flops it cannot do without."""
+    problems = {name: find_file(name) for name in ("trafalgar-21", "orbit-250-65000")}
+    results = []
+    for name, path in problems.items():
+        for threads in (1, 2) if path is not None else ():
+            output = subprocess.run(
+                [folder / "native_stages", path, "--threads", str(threads), "--repeats", "7"],
+                check=True,
+                capture_output=True,
+                text=True,
+            )
+            facts, *rows = (json.loads(line) for line in output.stdout.splitlines())
+            results.append({**facts, "problem": name, "threads": threads, "stages": rows})
+            console.print(f"stages of {name}, {threads} threads: done")
+    return results

@@ -57,6 +57,8 @@ def over_sizes(
         for family, color in COLORS.items():
             rows = [(c["num_observations"], series.row_of(c, family, threads)) for c in contests]
             xy = np.array([(n, value(row)) for n, row in rows if row is not None]).reshape(-1, 2)
+            if len(xy) == 0:
+                continue
             width = 2.4 if family == "native" else 1.4
             panel.plot(*xy.T, "o-", ms=4, lw=width, color=color, label=series.LABELS[family])
         panel.set(xscale="log", yscale="log", xlabel="observations", title=name)
@@ -74,10 +76,10 @@ def growth(held: list[dict]) -> plt.Figure:
             if len(pairs) < 2:
                 continue
             slope = series.growth_exponent(pairs[pairs[:, 0] >= 30_000])
-            label = f"{KINDS[kind]}, {threads} thread{'s' * (threads > 1)}: N^{slope:.2f}"
+            label = f"{KINDS[kind]}, {threads} thread{'s' * (threads > 1)}: N$^{{{slope:.2f}}}$"
             panel.plot(*pairs.T, marker + "-", ms=4, lw=1.6, color=color, label=label)
     low, high = panel.get_xlim()
-    ends = np.array([max(low, 4e3), high])
+    ends = np.array([low, high])
     panel.plot(ends, 2e-7 * ends, "k:", lw=1, label="200 ns per observation")
     panel.set(xscale="log", yscale="log", xlabel="observations")
     panel.set_ylabel("s per Levenberg-Marquardt iteration, native engine")

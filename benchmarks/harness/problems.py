@@ -45,7 +45,8 @@ def synthetic_spec(kind: str, cameras: int, points: int, observations: int) -> S
     name = f"{kind}-{cameras}-{points}"
     if observations <= SMALL:
         return Spec(name, observations, 100, 1e-8, 60.0)
-    return Spec(name, observations, 50, 1e-8, 60.0 if observations < 1_000_000 else 170.0)
+    large = observations > 1_000_000
+    return Spec(name, observations, 25 if large else 50, 1e-8, 40.0 if large else 60.0)
 
 
 SYNTHETIC = {
