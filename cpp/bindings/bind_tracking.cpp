@@ -82,6 +82,8 @@ void bind_nested_options(py::module_& m) {
              "Weigh the two terms by their own residuals, level by level.")
       .field("weight", &D::weight, "Factor of the depth term's cost, times the estimated one.")
       .field("use_gradient", &D::use_gradient, "Slope of the target's depth in the derivatives.")
+      .field("max_difference", &D::max_difference,
+             "Share of the target's inverse depth beyond which it shows another surface, > 0.")
       .finish();
   using C = AcceptanceOptions;
   OptionsBinder<C>(m, "AcceptanceOptions",

@@ -1414,6 +1414,7 @@ class DepthTermOptions:
     estimate_weight: bool
     weight: float
     use_gradient: bool
+    max_difference: float
     def __init__(
         self,
         *,
@@ -1421,6 +1422,7 @@ class DepthTermOptions:
         estimate_weight: bool = ...,
         weight: float = ...,
         use_gradient: bool = ...,
+        max_difference: float = ...,
     ) -> None: ...
     def replace(
         self,
@@ -1429,6 +1431,7 @@ class DepthTermOptions:
         estimate_weight: bool = ...,
         weight: float = ...,
         use_gradient: bool = ...,
+        max_difference: float = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...

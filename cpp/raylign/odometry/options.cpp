@@ -26,6 +26,13 @@ void MotionModelOptions::validate() const {
                  max_frame_rotation);
 }
 
+TrackingOptions OdometryOptions::default_tracking() {
+  TrackingOptions tracking;
+  tracking.depth.estimate_weight = false;
+  tracking.depth.weight = 60.0;
+  return tracking;
+}
+
 void OdometryOptions::validate() const {
   tracking.validate();
   if (tracking.motion == MotionGroup::SIM3) {

@@ -33,7 +33,7 @@ struct MotionModelOptions {
 };
 
 struct OdometryOptions {
-  TrackingOptions tracking;
+  TrackingOptions tracking = default_tracking();
   KeyframeOptions keyframe;
   KeyframeRule keyframe_rule;
   MotionModelOptions motion;
@@ -41,6 +41,9 @@ struct OdometryOptions {
   double depth_scale = 1000.0;      ///< units per m of uint16 depth images, > 0
   int num_recovery_keyframes = 10;  ///< a lost frame is compared with as many, newest first; >= 1
 
+  /// TrackingOptions with a fixed weight of the depth term, 60: on real sequences the weight that
+  /// is estimated from single pairs comes out too small and jumps (docs/benchmarks-tracking.md).
+  static TrackingOptions default_tracking();
   /// Throws OptionsError naming the field, the rule and the value.
   void validate() const;
 };

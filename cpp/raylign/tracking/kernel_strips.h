@@ -170,9 +170,10 @@ RAYLIGN_INLINE void depth_strip(const PointArrays& points,
     const float d_u = slope * sampled[4 * i + 1];
     const float d_v = slope * sampled[4 * i + 2];
     const float r = depth_residual(p, sampled[4 * i]);
+    const float limit = settings.depth_gate * sampled[4 * i];  // NaN stays out, too
     const float d_r_d_D =
         depth_d_inverse_depth(p, warped.pose, epipolar_step(p, warped.pose), d_u, d_v);
-    const bool ok = (warped.ok[i] != 0) & (V_t[i] > 0.0F) & is_finite(r);
+    const bool ok = (warped.ok[i] != 0) & (V_t[i] > 0.0F) & (r <= limit) & (-r <= limit);
     out.ok[i] = ok ? 1 : 0;
     out.r[i] = ok ? r : 0.0F;
     out.g_u[i] = d_u;

@@ -66,6 +66,7 @@ struct PassSettings {
   bool esm;               ///< mean of the target's and the keyframe's gradient
   float roll_cos, roll_sin;
   bool with_brightness;  ///< columns a, b
+  float depth_gate;      ///< |r_d| / D_t beyond which the target shows another surface
   bool depth_gradient;   ///< ∇D_t in the depth residual's derivatives
   bool with_scale;       ///< column σ of the depth residual
   bool freeze;           ///< weights from `reference`, too, where it has them

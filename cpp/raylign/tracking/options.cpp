@@ -28,6 +28,7 @@ void AffineOptions::validate() const {
 void DepthTermOptions::validate() const {
   require_option(weight >= 0.0 && std::isfinite(weight), "DepthTermOptions.weight",
                  ">= 0 and finite", weight);
+  require_option(max_difference > 0.0, "DepthTermOptions.max_difference", "> 0", max_difference);
 }
 
 void AcceptanceOptions::validate() const {

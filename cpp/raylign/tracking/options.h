@@ -59,6 +59,9 @@ struct DepthTermOptions {
   /// Factor of the depth term's cost; times the estimated one. >= 0.
   double weight = 1.0;
   bool use_gradient = true;  ///< ∇D_t in the derivatives
+  /// |1/Z' − D_t| beyond this share of D_t: the target shows another surface there, something has
+  /// come between; no residual. > 0.
+  double max_difference = 0.1;
 
   void validate() const;
 };

@@ -117,6 +117,7 @@ inline bool depth_point(const HostPoint& point,
   out.g_u = s.depth_gradient ? mix(&DepthCell::du) : 0.0;
   out.g_v = s.depth_gradient ? mix(&DepthCell::dv) : 0.0;
   out.r = depth_residual(p, out.sampled);
+  if (!(std::abs(out.r) <= s.depth_gate * out.sampled)) return false;
   const double d_r_d_D =
       depth_d_inverse_depth(p, at.pose, epipolar_step(p, at.pose), out.g_u, out.g_v);
   out.variance = depth_variance(static_cast<double>(top->variance), d_r_d_D, point.V);
