@@ -62,7 +62,7 @@ struct DepthTermOptions {
   double weight = 10.0;
   bool use_gradient = true;  ///< ∇D_t in the derivatives
   /// |1/Z' − D_t| beyond this share of D_t: the target shows another surface there, something has
-  /// come between; no residual. > 0.
+  /// come between; no residual. > 0. Not for SIM3, which has another scale to find.
   double max_difference = 0.1;
 
   void validate() const;

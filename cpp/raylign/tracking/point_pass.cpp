@@ -3,6 +3,7 @@
 #include "raylign/tracking/point_pass.h"
 
 #include <cmath>
+#include <limits>
 
 namespace raylign::tracking {
 namespace {
@@ -86,7 +87,9 @@ PassSettings PointPass::settings(const PoseState& state, const TermScales& scale
   s.roll_sin = static_cast<float>(std::sin(roll));
   s.with_brightness = options_.affine.mode != AffineMode::NONE;
   s.with_scale = options_.motion == MotionGroup::SIM3;
-  s.depth_gate = static_cast<float>(options_.depth.max_difference);
+  // another scale is a difference of all depths, and what SIM3 is to find
+  s.depth_gate = s.with_scale ? std::numeric_limits<float>::infinity()
+                              : static_cast<float>(options_.depth.max_difference);
   s.depth_gradient = options_.depth.use_gradient;
   s.freeze = options_.sigma_mode == SigmaMode::FROZEN;
   s.loss = &options_.loss;
