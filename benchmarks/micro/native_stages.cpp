@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include "raylign/base/blas_threads.h"
@@ -86,8 +87,9 @@ class Stages {
         "{\"file\": \"%s\", \"observations\": %.0f, \"landmarks\": %.0f, \"cameras\": %d, "
         "\"products_per_observation\": %.3f, \"blocks\": %.0f, \"products_per_visit\": %.2f, "
         "\"preprocess_ns_per_observation\": %.1f}\n",
-        arguments_.file.c_str(), n_, landmarks_ * n_, layout_.num_cameras, products, blocks * n_,
-        products / std::max(visits, 1e-9), 1e9 * preprocess_s_ / n_);
+        std::filesystem::path(arguments_.file).filename().c_str(), n_, landmarks_ * n_,
+        layout_.num_cameras, products, blocks * n_, products / std::max(visits, 1e-9),
+        1e9 * preprocess_s_ / n_);
     // uv, camera and place of an observation, X of a landmark; J, H and g. F and r are kept in the
     // cache. Flops: projection, J, H, and U, g with all of their 9 × 9.
     const double linearize_s = best([&] { native_.linearize(); });
