@@ -7,7 +7,7 @@
 namespace raylign::tracking {
 namespace {
 
-RAYLIGN_INLINE void photometric_columns(const Warped& warped, float gain, int n, Residuals& out) {
+RAYLIGN_INLINE void photometric_columns(const Warped& warped, int n, Residuals& out) {
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     float J[6];
@@ -15,7 +15,6 @@ RAYLIGN_INLINE void photometric_columns(const Warped& warped, float gain, int n,
     const bool ok = out.ok[i] != 0;
     for (int k = 0; k < 6; ++k) out.J[k][i] = ok ? J[k] : 0.0F;
   }
-  (void)gain;
 }
 
 RAYLIGN_INLINE void brightness_columns(const float* sampled, float gain, int n, Residuals& out) {
@@ -143,6 +142,21 @@ RAYLIGN_INLINE void store(const float* from, int n, float* to) {
   for (int i = 0; i < n; ++i) to[i] = from[i];
 }
 
+// From residuals and σ² of a term to its weights; σ² goes to `variances`, too.
+RAYLIGN_INLINE void weigh_term(const PassSettings& settings,
+                               const float* reference,
+                               float scale,
+                               std::int64_t first,
+                               int n,
+                               float* variances,
+                               Residuals& residuals) {
+  normalise_strip(reference == nullptr ? nullptr : reference + first, settings.freeze, scale, n,
+                  residuals);
+  loss_strip(*settings.loss, n, residuals);
+  weigh_strip(scale, n, residuals);
+  store(residuals.variance, n, variances + first);
+}
+
 }  // namespace
 
 RAYLIGN_CLONES void evaluate(const PointArrays& points,
@@ -166,14 +180,9 @@ RAYLIGN_CLONES void evaluate(const PointArrays& points,
     warp_strip(points, target, first, n, warped);
     sample_strip(&target.cells->value, target.width, warped, n, sampled);
     photometric_strip(points, settings, warped, sampled, first, n, residuals);
-    normalise_strip(settings.reference_photometric == nullptr
-                        ? nullptr
-                        : settings.reference_photometric + first,
-                    settings.freeze, settings.photometric_scale, n, residuals);
-    loss_strip(*settings.loss, n, residuals);
-    weigh_strip(settings.photometric_scale, n, residuals);
-    store(residuals.variance, n, variances.photometric + first);
-    photometric_columns(warped, settings.gain, n, residuals);
+    weigh_term(settings, settings.reference_photometric, settings.photometric_scale, first, n,
+               variances.photometric, residuals);
+    photometric_columns(warped, n, residuals);
     if (settings.with_brightness) {
       brightness_columns(sampled, settings.gain, n, residuals);
       accumulate<8>(residuals, n, photometric);
@@ -188,12 +197,8 @@ RAYLIGN_CLONES void evaluate(const PointArrays& points,
     if (target.depth == nullptr) continue;
     sample_strip(&target.depth->D, target.width, warped, n, sampled);
     depth_strip(points, target, settings, warped, sampled, first, n, residuals);
-    normalise_strip(
-        settings.reference_depth == nullptr ? nullptr : settings.reference_depth + first,
-        settings.freeze, settings.depth_scale, n, residuals);
-    loss_strip(*settings.loss, n, residuals);
-    weigh_strip(settings.depth_scale, n, residuals);
-    store(residuals.variance, n, variances.depth + first);
+    weigh_term(settings, settings.reference_depth, settings.depth_scale, first, n, variances.depth,
+               residuals);
     depth_columns(warped, n, residuals);
     if (settings.with_scale) {
       accumulate<7>(residuals, n, depth);
