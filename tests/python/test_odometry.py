@@ -7,7 +7,12 @@ import pytest
 
 from raylign import OptionsError, ShapeError, geometry, odometry, synthetic, trajectory
 from raylign.camera import PinholeCamera, RadtanCamera
-from raylign.odometry import OdometryOptions, OdometryStatus, RgbdOdometry
+from raylign.odometry import (
+    MotionModelOptions,
+    OdometryOptions,
+    OdometryStatus,
+    RgbdOdometry,
+)
 from raylign.trajectory import Trajectory
 
 WIDTH, HEIGHT = 160, 120
@@ -70,11 +75,13 @@ def test_same_bits_for_any_number_of_threads(sequence):
     np.testing.assert_array_equal(*poses)
 
 
-def test_a_foreign_frame_is_lost_and_the_next_one_recovered(sequence):
+@pytest.mark.parametrize("constant_velocity", [True, False])
+def test_a_foreign_frame_is_lost_and_the_next_one_recovered(sequence, constant_velocity):
     frames, T_wc = sequence
+    motion = MotionModelOptions(constant_velocity=constant_velocity)
     other, _ = frames_of(n=2, seed=5, scene=synthetic.boxes(seed=77))
     mixed = stamped([*frames[:6], *other, *frames[6:]])
-    run = odometry.run(mixed, CAMERA, T_wc=T_wc[0])
+    run = odometry.run(mixed, CAMERA, T_wc=T_wc[0], options=OdometryOptions(motion=motion))
     statuses = [r.status for r in run.results]
     assert statuses[6:8] == [OdometryStatus.LOST] * 2
     assert statuses[8] is OdometryStatus.RECOVERED

@@ -25,13 +25,18 @@ Matrix4 MotionModel::predict(double timestamp) const {
 std::vector<Matrix4> MotionModel::alternatives(double timestamp) const {
   std::vector<Matrix4> starts;
   if (options_.constant_velocity) starts.push_back(T_last_);
+  for (const Matrix4& T_cw : turned(predict(timestamp))) starts.push_back(T_cw);
+  return starts;
+}
+
+std::vector<Matrix4> MotionModel::turned(const Matrix4& T_cw) const {
+  std::vector<Matrix4> starts;
   if (options_.search_rotation == 0.0) return starts;
-  const Matrix4 T_predicted = predict(timestamp);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       Vector6 xi = Vector6::Zero();
       xi[3 + axis] = sign * options_.search_rotation;
-      starts.push_back(se3_exp(xi) * T_predicted);
+      starts.push_back(se3_exp(xi) * T_cw);
     }
   }
   return starts;

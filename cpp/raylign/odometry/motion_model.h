@@ -19,6 +19,8 @@ class MotionModel {
   /// Poses to try when `predict` did not lead to the frame: the last pose, then rotations of the
   /// prediction about each axis.
   std::vector<Matrix4> alternatives(double timestamp) const;
+  /// `T_cw` turned by search_rotation about each axis, each way.
+  std::vector<Matrix4> turned(const Matrix4& T_cw) const;
   /// The last pose that was given to `update`.
   const Matrix4& last() const { return T_last_; }
   bool has_last() const { return has_last_; }

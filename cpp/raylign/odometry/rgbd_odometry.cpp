@@ -146,9 +146,8 @@ bool RgbdOdometry::follow(const Frame& frame, OdometryResult& result) {
 // Newest first: a lost camera is most often still near.
 bool RgbdOdometry::recover(const Frame& frame, OdometryResult& result) {
   for (auto reference = keyframes_.rbegin(); reference != keyframes_.rend(); ++reference) {
-    MotionModel at_keyframe(options_.motion);
-    at_keyframe.update(reference->T_kw, result.timestamp, true);
-    std::vector<Matrix4> starts = at_keyframe.alternatives(result.timestamp);
+    std::vector<Matrix4> starts = {reference->T_kw};
+    for (const Matrix4& T_cw : motion_.turned(reference->T_kw)) starts.push_back(T_cw);
     starts.push_back(motion_.last());
     if (try_best_of(*reference, frame, starts, result)) return true;
   }
