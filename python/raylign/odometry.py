@@ -36,6 +36,7 @@ __all__ = [
     "OdometryResult",
     "OdometryRun",
     "OdometryStatus",
+    "Rectifier",
     "RgbdOdometry",
     "has_pose",
     "run",
@@ -186,15 +187,20 @@ def run(
     options = options or OdometryOptions()
     options.validate()
     odometry: RgbdOdometry | None = None
-    rectify = _Rectifier(camera)
+    rectifier: Rectifier | None = None
     results: list[OdometryResult] = []
     times_s: list[float] = []
     was_interrupted = False
     try:
         for frame in frames:
-            image, depth = rectify(frame)
-            if odometry is None:
-                odometry = RgbdOdometry(rectify.camera, options=options, T_wc=T_wc)
+            image, depth = frame.image, frame.depth
+            height, width = np.shape(image)[:2]
+            if rectifier is None or odometry is None:
+                rectifier = Rectifier(camera, width=width, height=height)
+                odometry = RgbdOdometry(rectifier.camera, options=options, T_wc=T_wc)
+            if depth is None:
+                depth = np.zeros((height, width), np.float32)
+            image, depth = rectifier.image(image), rectifier.depth(depth)
             start = time.perf_counter()
             result = odometry.track(image, depth, timestamp=frame.timestamp)
             times_s.append(time.perf_counter() - start)
@@ -206,32 +212,51 @@ def run(
         was_interrupted = True
     # an interrupt between two appends must not leave a time without its result
     times = np.array(times_s[: len(results)])
-    return OdometryRun(rectify.camera, tuple(results), times, was_interrupted)
+    if rectifier is None:  # no frame, no size
+        tracked = PinholeCamera(camera.fx, camera.fy, camera.cx, camera.cy)
+    else:
+        tracked = rectifier.camera
+    return OdometryRun(tracked, tuple(results), times, was_interrupted)
 
 
-class _Rectifier:
-    """Images and depth of a frame as a pinhole camera would have taken them.
+class Rectifier:
+    """Images and depth of a camera as a pinhole camera would have taken them.
 
-    The camera is the widest whose every pixel the images have: the black rim of an undistorted
-    image would be tracked as if it were the scene.
+    The pinhole camera is the widest whose every pixel the images have: the black rim of an
+    undistorted image would be tracked as if it were the scene. A pinhole camera's images are
+    passed through.
+
+    Args:
+        camera: of the images as they are.
+        width: columns of its images, px, >= 1.
+        height: rows of its images, px, >= 1.
+
+    Attributes:
+        camera: of the rectified images.
     """
 
-    def __init__(self, camera: PinholeCamera | RadtanCamera) -> None:
-        self._given = camera
+    def __init__(self, camera: PinholeCamera | RadtanCamera, *, width: int, height: int) -> None:
         self._undistorter: Undistorter | None = None
-        self.camera = PinholeCamera(camera.fx, camera.fy, camera.cx, camera.cy)
+        if isinstance(camera, PinholeCamera):
+            self.camera = camera
+            return
+        self.camera = inscribed_camera(camera, width=width, height=height)
+        self._undistorter = Undistorter(camera, width=width, height=height, new_camera=self.camera)
 
-    def __call__(self, frame: DepthFrame) -> tuple[AnyArray, AnyArray]:
-        image, depth = frame.image, frame.depth
-        if depth is None:
-            depth = np.zeros(np.shape(image)[:2], np.float32)
-        if isinstance(self._given, PinholeCamera):
-            return image, depth
+    def image(self, image: AnyArray) -> AnyArray:
+        """Return the rectified image.
+
+        Args:
+            image: (H, W) or (H, W, 3), uint8, uint16 or float32, of the size given before.
+        """
+        return image if self._undistorter is None else self._undistorter(image)
+
+    def depth(self, depth: AnyArray) -> AnyArray:
+        """Return rectified depth; depths are not mixed.
+
+        Args:
+            depth: (H, W) float32 or uint16, of the size given before.
+        """
         if self._undistorter is None:
-            height, width = np.shape(image)[:2]
-            self.camera = inscribed_camera(self._given, width=width, height=height)
-            self._undistorter = Undistorter(
-                self._given, width=width, height=height, new_camera=self.camera
-            )
-        undistort = self._undistorter
-        return undistort(image), undistort(depth, interpolation=Interpolation.NEAREST)
+            return depth
+        return self._undistorter(depth, interpolation=Interpolation.NEAREST)

@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 from raylign import io
 from raylign._build_info import build_info
 from raylign._json import jsonable
-from raylign._typing import F32, F64, U8, PathLike
+from raylign._typing import F64, U8, AnyArray, PathLike
 from raylign.depth import inverse_depth
 from raylign.geometry import se3_inverse
-from raylign.image import Interpolation, Undistorter
-from raylign.odometry import OdometryOptions, OdometryRun, has_pose
+from raylign.odometry import OdometryOptions, OdometryRun, Rectifier, has_pose
 from raylign.tracking import AlignmentResult, Frame, Keyframe, align
 from raylign.trajectory import Evaluation
 from raylign.viz import style
@@ -80,19 +79,15 @@ class _Frames:
         self.run = run
         self.options = options
         self._sequence = sequence
-        self._undistorter: Undistorter | None = None
+        self._rectifier: Rectifier | None = None
 
-    def image(self, i: int) -> U8:
+    def image(self, i: int) -> AnyArray:
         image = self._sequence[i].image
-        undistort = self._rectifier(image)
-        return image if undistort is None else undistort(image)
+        return self._rectifier_of(image).image(image)
 
-    def depth(self, i: int) -> F32 | None:
+    def depth(self, i: int) -> AnyArray | None:
         depth = self._sequence[i].depth
-        if depth is None:
-            return None
-        undistort = self._rectifier(depth)
-        return depth if undistort is None else undistort(depth, interpolation=Interpolation.NEAREST)
+        return None if depth is None else self._rectifier_of(depth).depth(depth)
 
     def tracking_frame(self, i: int) -> Frame:
         depth = self.depth(i)
@@ -101,15 +96,11 @@ class _Frames:
         )  # fmt: skip
         return Frame(self.image(i), self.run.camera, inverse_depth=D, variance=V)
 
-    def _rectifier(self, image: Any) -> Undistorter | None:
-        if self._sequence.camera == self.run.camera:
-            return None
-        if self._undistorter is None:
+    def _rectifier_of(self, image: AnyArray) -> Rectifier:
+        if self._rectifier is None:
             height, width = image.shape[:2]
-            self._undistorter = Undistorter(
-                self._sequence.camera, width=width, height=height, new_camera=self.run.camera
-            )
-        return self._undistorter
+            self._rectifier = Rectifier(self._sequence.camera, width=width, height=height)
+        return self._rectifier
 
 
 def _write_points(frames: _Frames, path: Path) -> Path:
