@@ -24,11 +24,7 @@ BundleProblem make_problem(CameraModel camera_model,
   problem.T_cw = table_from_numpy<Rows<double, 16>>(T_cw, "T_cw", {4, 4});
   problem.intrinsics = table_from_numpy<Rows<double, Eigen::Dynamic>>(intrinsics, "intrinsics",
                                                                       {num_params(camera_model)});
-  problem.points = rows_from_numpy<double, 3>(points, "points");
-  problem.camera_index = rows_from_numpy<std::int32_t, 1>(camera_index, "camera_index");
-  problem.point_index = rows_from_numpy<std::int32_t, 1>(point_index, "point_index");
-  problem.observations = rows_from_numpy<double, 2>(observations, "observations");
-  if (!colors.is_none()) problem.colors = rows_from_numpy<std::uint8_t, 3>(colors, "colors");
+  set_tracks(problem, points, camera_index, point_index, observations, colors);
   problem.validate();
   return problem;
 }

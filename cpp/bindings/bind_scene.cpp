@@ -20,11 +20,7 @@ BalProblem make_problem(const py::object& cameras,
                         const py::object& colors) {
   BalProblem problem;
   problem.cameras = rows_from_numpy<double, 9>(cameras, "cameras");
-  problem.points = rows_from_numpy<double, 3>(points, "points");
-  problem.camera_index = rows_from_numpy<std::int32_t, 1>(camera_index, "camera_index");
-  problem.point_index = rows_from_numpy<std::int32_t, 1>(point_index, "point_index");
-  problem.observations = rows_from_numpy<double, 2>(observations, "observations");
-  if (!colors.is_none()) problem.colors = rows_from_numpy<std::uint8_t, 3>(colors, "colors");
+  set_tracks(problem, points, camera_index, point_index, observations, colors);
   problem.validate();
   return problem;
 }

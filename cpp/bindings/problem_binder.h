@@ -49,6 +49,21 @@ inline py::dict problem_to_dict(const py::object& self, const FieldNames& fields
 }
 
 /// Points, observations, indices, colours and counts.
+/// The arrays that `bind_tracks` shows, from what the caller gave; `colors` may be None.
+template <typename Problem>
+void set_tracks(Problem& problem,
+                const py::object& points,
+                const py::object& camera_index,
+                const py::object& point_index,
+                const py::object& observations,
+                const py::object& colors) {
+  problem.points = rows_from_numpy<double, 3>(points, "points");
+  problem.camera_index = rows_from_numpy<std::int32_t, 1>(camera_index, "camera_index");
+  problem.point_index = rows_from_numpy<std::int32_t, 1>(point_index, "point_index");
+  problem.observations = rows_from_numpy<double, 2>(observations, "observations");
+  if (!colors.is_none()) problem.colors = rows_from_numpy<std::uint8_t, 3>(colors, "colors");
+}
+
 template <typename Problem>
 void bind_tracks(py::class_<Problem>& cls, const char* doc_of_observations) {
   def_view(cls, "points", &Problem::points, "(P, 3) float64 view: world frame, scene units.");
