@@ -1,5 +1,4 @@
 raylign_add_test(bundle allocation_test.cpp)
-raylign_add_test(bundle blocked_cholesky_test.cpp)
 raylign_add_test(bundle camera_blocks_test.cpp)
 raylign_add_test(bundle camera_kinds_test.cpp)
 raylign_add_test(bundle jacobian_table_test.cpp LINK raylign_synthetic)

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "raylign/bundle/native/blocked_cholesky.h"
-#include "raylign/bundle/native/lapack.h"
+#include "raylign/solver/blocked_cholesky.h"
+#include "raylign/solver/lapack.h"
 
 namespace raylign::native {
 

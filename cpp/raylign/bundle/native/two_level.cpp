@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "raylign/base/eigen.h"
-#include "raylign/bundle/native/lapack.h"
+#include "raylign/solver/lapack.h"
 
 namespace raylign::native {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "raylign/base/thread_pool.h"
 
-namespace raylign::native {
+namespace raylign {
 
 /// Replaces the lower triangle of the symmetric A (n, n), column-major, by its Cholesky factor L;
 /// what stands above the diagonal is not read and may be overwritten. False when A is not positive
@@ -16,4 +16,4 @@ bool factor_cholesky(double* A, int n, ThreadPool& pool);
 
 inline constexpr int kMinBlocked = 900;
 
-}  // namespace raylign::native
+}  // namespace raylign

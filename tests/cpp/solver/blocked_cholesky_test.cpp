@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The raylign authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "raylign/bundle/native/blocked_cholesky.h"
+#include "raylign/solver/blocked_cholesky.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "raylign/base/blas_threads.h"
 
-namespace raylign::native {
+namespace raylign {
 namespace {
 
 // Positive definite, none of its blocks alike.
@@ -56,4 +56,4 @@ TEST_P(Cholesky, SaysWhenThereIsNone) {
 INSTANTIATE_TEST_SUITE_P(Sizes, Cholesky, testing::Values(1, 130, kMinBlocked, kMinBlocked + 131));
 
 }  // namespace
-}  // namespace raylign::native
+}  // namespace raylign

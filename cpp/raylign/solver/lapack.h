@@ -14,7 +14,7 @@ void dpotrs_(const char* uplo,
              int* info);
 }
 
-namespace raylign::native {
+namespace raylign {
 
 /// Cholesky of the lower triangle of an n × n column-major matrix, in place; false when it is not
 /// positive definite.
@@ -31,4 +31,4 @@ inline void solve_dense(const double* factor, int n, double* x) {
   if (n > 0) dpotrs_("L", &n, &one, factor, &n, x, &n, &info);
 }
 
-}  // namespace raylign::native
+}  // namespace raylign

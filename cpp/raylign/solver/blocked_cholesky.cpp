@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The raylign authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "raylign/bundle/native/blocked_cholesky.h"
+#include "raylign/solver/blocked_cholesky.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "raylign/bundle/native/lapack.h"
+#include "raylign/solver/lapack.h"
 
 extern "C" {
 void dtrsm_(const char* side,
@@ -35,7 +35,7 @@ void dgemm_(const char* transposed_a,
             const int* ldc);
 }
 
-namespace raylign::native {
+namespace raylign {
 namespace {
 
 constexpr int kPanel = 128;
@@ -107,4 +107,4 @@ bool factor_cholesky(double* A, int n, ThreadPool& pool) {
   return true;
 }
 
-}  // namespace raylign::native
+}  // namespace raylign
