@@ -117,9 +117,11 @@ DenseProblem square_root_domain() {
   return problem;
 }
 
-Summary run(DenseProblem& problem, const IterationCallback& callback = nullptr) {
+Summary run(DenseProblem& problem,
+            const IterationCallback& callback = nullptr,
+            LambdaRule rule = LambdaRule::CERES) {
   const Stopwatch clock;
-  return minimize(problem, problem.options, callback, clock, 7);
+  return minimize(problem, problem.options, callback, clock, 7, rule);
 }
 
 TEST(Lm, SolvesRosenbrock) {
@@ -178,6 +180,29 @@ TEST(Lm, LambdaFollowsNielsensRule) {
       nu *= 2.0;
     }
   }
+}
+
+TEST(Lm, TheFastRuleTrustsAModelThatKeptItsPromise) {
+  DenseProblem problem = powell();
+  const Summary summary = run(problem, nullptr, LambdaRule::FAST);
+  int good = 0;
+  int fair = 0;
+  for (std::size_t i = 1; i + 1 < summary.iterations.size(); ++i) {
+    const IterationSummary& row = summary.iterations[i];
+    ASSERT_TRUE(row.step_is_accepted);
+    const double q = 2.0 * row.gain_ratio - 1.0;
+    const bool is_good = row.gain_ratio > 0.8;
+    const double factor = is_good ? 0.1 : std::max(1.0 / 3.0, 1.0 - q * q * q);
+    const double before = summary.iterations[i - 1].lambda;
+    EXPECT_DOUBLE_EQ(row.lambda, std::max(problem.options.min_lambda, before * factor));
+    ++(is_good ? good : fair);
+  }
+  EXPECT_GT(good, 0);
+  DenseProblem bent = rosenbrock();
+  for (const IterationSummary& row : run(bent, nullptr, LambdaRule::FAST).iterations) {
+    fair += row.step_is_accepted && row.gain_ratio <= 0.8 ? 1 : 0;
+  }
+  EXPECT_GT(fair, 0);  // and Nielsen's rule where it did not
 }
 
 TEST(Lm, StepsOutsideTheDomainAreInvalidAndRaiseLambda) {
