@@ -54,6 +54,19 @@ def read_image(path: Path, *, size: tuple[int, int] = (0, 0), flip: bool = False
     Raises:
         FormatError: the file is missing, no image of 8 or 16 bits, or of another size.
     """
+    image = read_pixels(path)
+    if image.dtype == np.uint16:
+        image = (image >> 8).astype(np.uint8)
+    _check_size(path, image, size)
+    return np.ascontiguousarray(image[::-1] if flip else image)
+
+
+def read_pixels(path: Path) -> AnyArray:
+    """(H, W) or (H, W, 3) RGB, uint8 or uint16 as the file has it; alpha is dropped.
+
+    Raises:
+        FormatError: the file is missing or no image of 8 or 16 bits.
+    """
     import cv2
 
     image = _decode(path, cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION)
@@ -61,14 +74,11 @@ def read_image(path: Path, *, size: tuple[int, int] = (0, 0), flip: bool = False
         image = image[:, :, :3]
     if image.ndim == 3 and image.shape[2] not in (1, 3):
         raise format_error(str(path), "", f"has {image.shape[2]} channels, expected 1 or 3")
-    if image.dtype == np.uint16:
-        image = (image >> 8).astype(np.uint8)
-    if image.dtype != np.uint8:
+    if image.dtype not in (np.uint8, np.uint16):
         raise format_error(str(path), "", f"holds {image.dtype}, expected 8 or 16 bits a channel")
-    _check_size(path, image, size)
     if image.ndim == 3:
         image = image[:, :, ::-1] if image.shape[2] == 3 else image[:, :, 0]
-    return np.ascontiguousarray(image[::-1] if flip else image)
+    return np.ascontiguousarray(image)
 
 
 def read_depth(path: Path, codec: DepthCodec, *, size: tuple[int, int] = (0, 0)) -> F32:

@@ -46,11 +46,7 @@ def read_tum_trajectory(source: PathLike | BinaryIO) -> Trajectory:
     name, text = read_text(source)
     rows: list[list[float]] = []
     for line, content in data_lines(text):
-        row = numbers(content, _TUM_FIELDS, file=name, line=line)
-        norm = float(np.linalg.norm(row[4:]))
-        if not abs(norm - 1.0) <= _QUATERNION_TOLERANCE:
-            reason = f"a unit quaternion is expected, its norm is {norm:.6g}"
-            raise format_error(name, "qx qy qz qw", reason, line=line)
+        row = tum_row(content, file=name, line=line)
         if rows and row[0] <= rows[-1][0]:
             reason = f"must be later than the stamp before, {rows[-1][0]!r}, got {row[0]!r}"
             raise format_error(name, "timestamp", reason, line=line)
@@ -144,6 +140,20 @@ def nearest_rotation(M: F64) -> F64 | None:
         return M
     U, _, V_t = np.linalg.svd(M)
     return np.asarray(U @ V_t)
+
+
+def tum_row(content: str, *, file: str, line: int) -> list[float]:
+    """The eight numbers of a line, the quaternion last, which is of unit norm up to rounding.
+
+    Raises:
+        FormatError: they are not.
+    """
+    row = numbers(content, _TUM_FIELDS, file=file, line=line)
+    norm = float(np.linalg.norm(row[4:]))
+    if not abs(norm - 1.0) <= _QUATERNION_TOLERANCE:
+        reason = f"a unit quaternion is expected, its norm is {norm:.6g}"
+        raise format_error(file, "qx qy qz qw", reason, line=line)
+    return row
 
 
 def _row(values: list[float]) -> str:
