@@ -19,7 +19,9 @@ void bind_options(py::module_& m) {
       .field("usage_weight", &KeyframeRule::usage_weight,
              "Of the share of the keyframe's points not in view, >= 0.")
       .field("min_good_ratio", &KeyframeRule::min_good_ratio,
-             "Below this share of agreeing points a new keyframe is taken, in [0, 1].");
+             "Below this share of agreeing points a new keyframe is taken, in [0, 1].")
+      .field("min_agreement", &KeyframeRule::min_agreement,
+             "Below this AlignmentResult.agreement a new keyframe is taken, in [0, 1].");
   rule.finish();
 
   OptionsBinder<MotionModelOptions> motion(
@@ -46,7 +48,10 @@ void bind_options(py::module_& m) {
       .field("depth_scale", &OdometryOptions::depth_scale,
              "Units per m of uint16 depth images, > 0.")
       .field("num_recovery_keyframes", &OdometryOptions::num_recovery_keyframes,
-             "Recent keyframes that a lost frame is compared with, >= 1.");
+             "Recent keyframes that a lost frame is compared with, >= 1.")
+      .field("min_depth_agreement", &OdometryOptions::min_depth_agreement,
+             "Share of the points that must land on the frame's own depth where the images leave "
+             "doubt, in [0, 1].");
   options.finish();
 }
 

@@ -1689,12 +1689,14 @@ class KeyframeRule:
     distance_weight: float
     usage_weight: float
     min_good_ratio: float
+    min_agreement: float
     def __init__(
         self,
         *,
         distance_weight: float = ...,
         usage_weight: float = ...,
         min_good_ratio: float = ...,
+        min_agreement: float = ...,
     ) -> None: ...
     def replace(
         self,
@@ -1702,6 +1704,7 @@ class KeyframeRule:
         distance_weight: float = ...,
         usage_weight: float = ...,
         min_good_ratio: float = ...,
+        min_agreement: float = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -1752,6 +1755,7 @@ class OdometryOptions:
     depth_model: DepthModel
     depth_scale: float
     num_recovery_keyframes: int
+    min_depth_agreement: float
     def __init__(
         self,
         *,
@@ -1762,6 +1766,7 @@ class OdometryOptions:
         depth_model: DepthModel = ...,
         depth_scale: float = ...,
         num_recovery_keyframes: int = ...,
+        min_depth_agreement: float = ...,
     ) -> None: ...
     def replace(
         self,
@@ -1773,6 +1778,7 @@ class OdometryOptions:
         depth_model: DepthModel = ...,
         depth_scale: float = ...,
         num_recovery_keyframes: int = ...,
+        min_depth_agreement: float = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...

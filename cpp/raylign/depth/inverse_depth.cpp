@@ -51,15 +51,19 @@ InverseDepthConverter::InverseDepthConverter(const DepthModel& model) : model_(m
   model.validate();
 }
 
-void InverseDepthConverter::convert(const ImageView& depth,
-                                    double depth_scale,
-                                    float* D,
-                                    float* V) {
+void InverseDepthConverter::check(const ImageView& depth, double depth_scale) const {
   depth.validate();
   if (depth.channels != 1 || depth.type == PixelType::UINT8) {
     throw ShapeError("depth must be a float32 (m) or uint16 image with one channel");
   }
   require_option(depth_scale > 0, "depth_scale", "> 0 (units per m)", depth_scale);
+}
+
+void InverseDepthConverter::convert(const ImageView& depth,
+                                    double depth_scale,
+                                    float* D,
+                                    float* V) {
+  check(depth, depth_scale);
   invert(depth, depth_scale, D);
   if (model_.edge_ratio > 0.0 && model_.edge_radius > 0) remove_edges(depth.width, depth.height, D);
   const NoiseCoefficients c = coefficients(model_);

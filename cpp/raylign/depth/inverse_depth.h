@@ -24,6 +24,9 @@ class InverseDepthConverter {
   /// not > 0.
   void convert(const ImageView& depth, double depth_scale, float* D, float* V);
 
+  /// Throws as `convert` does for this image.
+  void check(const ImageView& depth, double depth_scale) const;
+
   const DepthModel& model() const { return model_; }
 
  private:

@@ -15,6 +15,8 @@ void KeyframeRule::validate() const {
                  "finite and >= 0", usage_weight);
   require_option(min_good_ratio >= 0 && min_good_ratio <= 1, "KeyframeRule.min_good_ratio",
                  "in [0, 1]", min_good_ratio);
+  require_option(min_agreement >= 0 && min_agreement <= 1, "KeyframeRule.min_agreement",
+                 "in [0, 1]", min_agreement);
 }
 
 void MotionModelOptions::validate() const {
@@ -30,7 +32,15 @@ TrackingOptions OdometryOptions::default_tracking() {
   TrackingOptions tracking;
   tracking.depth.estimate_weight = false;
   tracking.depth.weight = 60.0;
+  tracking.lm.function_tolerance = 1e-2;
   return tracking;
+}
+
+KeyframeOptions OdometryOptions::default_keyframe() {
+  KeyframeOptions keyframe;
+  keyframe.min_gradient = 1.0;
+  keyframe.max_points = 8000;
+  return keyframe;
 }
 
 void OdometryOptions::validate() const {
@@ -46,6 +56,8 @@ void OdometryOptions::validate() const {
                  "finite and > 0 (units per m)", depth_scale);
   require_option(num_recovery_keyframes >= 1, "OdometryOptions.num_recovery_keyframes", ">= 1",
                  num_recovery_keyframes);
+  require_option(min_depth_agreement >= 0 && min_depth_agreement <= 1,
+                 "OdometryOptions.min_depth_agreement", "in [0, 1]", min_depth_agreement);
 }
 
 }  // namespace raylign

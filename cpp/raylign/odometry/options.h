@@ -14,6 +14,9 @@ struct KeyframeRule {
   double distance_weight = 4.0;  ///< >= 0
   double usage_weight = 3.0;     ///< >= 0
   double min_good_ratio = 0.8;   ///< of the points in view; below it a new keyframe; in [0, 1]
+  /// AlignmentResult::agreement below which there is a new keyframe, in [0, 1]. Well above what
+  /// AcceptanceOptions asks for: the next frame shall not have to fail first.
+  double min_agreement = 0.3;
 
   void validate() const;
 };
@@ -34,16 +37,23 @@ struct MotionModelOptions {
 
 struct OdometryOptions {
   TrackingOptions tracking = default_tracking();
-  KeyframeOptions keyframe;
+  KeyframeOptions keyframe = default_keyframe();
   KeyframeRule keyframe_rule;
   MotionModelOptions motion;
   DepthModel depth_model;
   double depth_scale = 1000.0;      ///< units per m of uint16 depth images, > 0
   int num_recovery_keyframes = 10;  ///< a lost frame is compared with as many, newest first; >= 1
+  /// An alignment below keyframe_rule.min_agreement is believed only when depth agrees, with or
+  /// without the depth term: of the keyframe's points that land where the frame has depth, at least
+  /// this share must land on it, within tracking.depth.max_difference; in [0, 1].
+  double min_depth_agreement = 0.8;
 
   /// TrackingOptions with a fixed weight of the depth term, 60: on real sequences the weight that
   /// is estimated from single pairs comes out too small and jumps (docs/benchmarks-tracking.md).
+  /// Levels end at a change of the cost of 1 %.
   static TrackingOptions default_tracking();
+  /// At most 8000 points per level, also where there is little gradient: with depth they count.
+  static KeyframeOptions default_keyframe();
   /// Throws OptionsError naming the field, the rule and the value.
   void validate() const;
 };

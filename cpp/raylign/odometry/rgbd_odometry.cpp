@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -57,22 +58,27 @@ RgbdOdometry::RgbdOdometry(const PinholeCamera& camera,
       aligner_(options.tracking),
       coarse_aligner_(on_coarsest_level(options.tracking)) {
   camera.validate();
+  sensed_.scale = options_.depth_scale;
+  sensed_.min_depth = options_.depth_model.min_depth;
+  sensed_.max_depth = options_.depth_model.max_depth;
+  sensed_.max_difference = options_.tracking.depth.max_difference;
 }
 
 OdometryResult RgbdOdometry::track(const ImageView& image,
                                    const ImageView& depth,
                                    double timestamp) {
   check_input(image, depth, timestamp);
-  const std::shared_ptr<Frame> frame = make_frame(image, depth);
+  const std::shared_ptr<Shot> shot = make_shot(image, depth);
+  sensed_.image = depth;
   last_timestamp_ = timestamp;
   OdometryResult result;
   result.frame = num_frames_++;
   result.timestamp = timestamp;
-  const bool is_tracked = keyframes_.empty() ? start(frame, result)
-                          : is_lost_         ? recover(*frame, result)
-                                             : follow(*frame, result);
+  const bool is_tracked = keyframes_.empty() ? start(shot, result)
+                          : is_lost_         ? recover(*shot->frame, result)
+                                             : follow(*shot->frame, result);
   if (is_tracked) {
-    finish(frame, result);
+    finish(shot, result);
   } else {
     result.status = keyframes_.empty() ? OdometryStatus::NO_DEPTH : OdometryStatus::LOST;
     result.T_wc.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -99,25 +105,46 @@ void RgbdOdometry::check_input(const ImageView& image, const ImageView& depth, d
 }
 
 // A frame that nobody holds any more is filled again: in the long run nothing is allocated.
-std::shared_ptr<Frame> RgbdOdometry::make_frame(const ImageView& image, const ImageView& depth) {
+std::shared_ptr<RgbdOdometry::Shot> RgbdOdometry::make_shot(const ImageView& image,
+                                                            const ImageView& depth) {
+  const int num_levels = options_.tracking.coarsest_level + 1;
+  const auto free = std::find_if(pool_.begin(), pool_.end(),
+                                 [](const auto& shot) { return shot.use_count() == 1; });
+  std::shared_ptr<Shot> shot;
+  if (free == pool_.end()) {
+    shot = pool_.emplace_back(std::make_shared<Shot>());
+    shot->frame = std::make_shared<Frame>(image, camera_, num_levels);
+  } else {
+    shot = *free;
+    shot->frame->assign(image, camera_, num_levels);
+  }
+  if (options_.tracking.depth.enabled) {
+    set_depth(depth, *shot->frame);
+    return shot;
+  }
+  converter_.check(depth, options_.depth_scale);
+  shot->depth.resize(depth.row_bytes() * static_cast<std::size_t>(depth.height));
+  shot->depth_view = depth;
+  shot->depth_view.data = shot->depth.data();
+  shot->depth_view.row_stride = depth.row_bytes();
+  for (int v = 0; v < depth.height; ++v) {
+    const auto row = static_cast<std::size_t>(v);
+    std::memcpy(shot->depth.data() + row * depth.row_bytes(),
+                static_cast<const std::byte*>(depth.data) + row * depth.row_stride,
+                depth.row_bytes());
+  }
+  return shot;
+}
+
+void RgbdOdometry::set_depth(const ImageView& depth, Frame& frame) {
   D_.resize(depth.width, depth.height);
   V_.resize(depth.width, depth.height);
   converter_.convert(depth, options_.depth_scale, D_.data(), V_.data());
-  const int num_levels = options_.tracking.coarsest_level + 1;
-  const auto free = std::find_if(pool_.begin(), pool_.end(),
-                                 [](const auto& frame) { return frame.use_count() == 1; });
-  if (free == pool_.end()) {
-    pool_.push_back(std::make_shared<Frame>(image, camera_, num_levels));
-    pool_.back()->set_depth(D_.view(), V_.view());
-    return pool_.back();
-  }
-  (*free)->assign(image, camera_, num_levels);
-  (*free)->set_depth(D_.view(), V_.view());
-  return *free;
+  frame.set_depth(D_.view(), V_.view());
 }
 
-bool RgbdOdometry::start(const std::shared_ptr<Frame>& frame, OdometryResult& result) {
-  if (!add_keyframe(frame, T_cw_first_, result.frame)) {
+bool RgbdOdometry::start(const std::shared_ptr<Shot>& shot, OdometryResult& result) {
+  if (!add_keyframe(shot, T_cw_first_, result.frame)) {
     result.reason = "too few pixels with depth and gradient to start from";
     return false;
   }
@@ -163,13 +190,7 @@ bool RgbdOdometry::try_start(Placed& reference,
   ++result.num_alignments;
   AlignmentResult& alignment = result.alignment;
   const Matrix4 T_cw_found = without_drift(alignment.T_th * reference.T_kw);
-  if (alignment.status == AlignmentStatus::OK && !is_lost_ &&
-      !motion_.is_plausible(T_cw_found, alignment.mean_inverse_depth)) {
-    alignment.status = AlignmentStatus::MOTION_BOUND;
-    alignment.reason =
-        "the step from the frame before is larger than max_frame_translation or "
-        "max_frame_rotation";
-  }
+  judge(reference, T_cw_found, alignment);
   result.keyframe = reference.frame;
   result.reason = alignment.status == AlignmentStatus::OK ? "" : alignment.reason;
   if (alignment.status != AlignmentStatus::OK) return false;
@@ -177,6 +198,29 @@ bool RgbdOdometry::try_start(Placed& reference,
   reference.a = alignment.a;
   reference.b = alignment.b;
   return true;
+}
+
+// An alignment that is OK by itself may still not be believed.
+void RgbdOdometry::judge(const Placed& reference,
+                         const Matrix4& T_cw,
+                         AlignmentResult& alignment) const {
+  if (alignment.status != AlignmentStatus::OK) return;
+  if (!is_lost_ && !motion_.is_plausible(T_cw, alignment.mean_inverse_depth)) {
+    alignment.status = AlignmentStatus::MOTION_BOUND;
+    alignment.reason =
+        "the step from the frame before is larger than max_frame_translation or "
+        "max_frame_rotation";
+    return;
+  }
+  if (alignment.agreement >= options_.keyframe_rule.min_agreement) return;
+  // the images alone leave doubt; the coarsest level is enough to tell, and has few points
+  const Keyframe& keyframe = *reference.keyframe;
+  const int level = std::min(options_.tracking.coarsest_level, keyframe.num_levels() - 1);
+  const double share = depth_agreement(keyframe.points(level), alignment.T_th, camera_, sensed_);
+  if (share >= options_.min_depth_agreement) return;
+  alignment.status = AlignmentStatus::DIVERGED;
+  alignment.reason = "only " + format_double(std::round(1000.0 * share) / 10.0) +
+                     " % of the points land on the frame's depth (min_depth_agreement)";
 }
 
 // All starts on the coarsest level, the best of them down to the finest.
@@ -207,31 +251,33 @@ bool RgbdOdometry::needs_keyframe(const OdometryResult& result) const {
   const double distance = rule.distance_weight * alignment.T_th.topRightCorner<3, 1>().norm() *
                           alignment.mean_inverse_depth;
   const double unseen = rule.usage_weight * (1.0 - alignment.usage);
-  return distance * distance + unseen * unseen > 1.0 || alignment.good_ratio < rule.min_good_ratio;
+  return distance * distance + unseen * unseen > 1.0 ||
+         alignment.good_ratio < rule.min_good_ratio || alignment.agreement < rule.min_agreement;
 }
 
 // False when the frame has too few points to be one.
-bool RgbdOdometry::add_keyframe(const std::shared_ptr<Frame>& frame,
+bool RgbdOdometry::add_keyframe(const std::shared_ptr<Shot>& shot,
                                 const Matrix4& T_cw,
                                 std::int64_t number) {
-  auto keyframe = std::make_shared<Keyframe>(frame, options_.keyframe);
+  if (!shot->frame->has_depth()) set_depth(shot->depth_view, *shot->frame);
+  auto keyframe = std::make_shared<Keyframe>(shot->frame, options_.keyframe);
   const int finest = std::min(options_.tracking.finest_level, keyframe->num_levels() - 1);
   if (keyframe->points(finest).num_points() < options_.tracking.acceptance.min_points) return false;
-  keyframes_.push_back({std::move(keyframe), T_cw, number});
+  keyframes_.push_back({shot, std::move(keyframe), T_cw, number});
   if (static_cast<int>(keyframes_.size()) > options_.num_recovery_keyframes) {
     keyframes_.pop_front();
   }
   return true;
 }
 
-void RgbdOdometry::finish(const std::shared_ptr<Frame>& frame, OdometryResult& result) {
+void RgbdOdometry::finish(const std::shared_ptr<Shot>& shot, OdometryResult& result) {
   const Matrix4 T_cw = se3_inverse(result.T_wc);
   result.status = is_lost_ ? OdometryStatus::RECOVERED : OdometryStatus::OK;
   motion_.update(T_cw, result.timestamp, is_lost_);
   is_lost_ = false;
   result.is_keyframe = result.keyframe == result.frame ||
-                       (needs_keyframe(result) && add_keyframe(frame, T_cw, result.frame));
-  previous_ = frame;
+                       (needs_keyframe(result) && add_keyframe(shot, T_cw, result.frame));
+  previous_ = shot;
   previous_number_ = result.frame;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "raylign/camera/pinhole.h"
 #include "raylign/depth/inverse_depth.h"
 #include "raylign/image/image_view.h"
+#include "raylign/odometry/depth_agreement.h"
 #include "raylign/odometry/motion_model.h"
 #include "raylign/odometry/options.h"
 #include "raylign/tracking/aligner.h"
@@ -58,8 +60,16 @@ class RgbdOdometry {
   const OdometryOptions& options() const { return options_; }
 
  private:
-  /// A frame with its place in the world.
+  /// A frame, and its depth as it came until somebody needs it.
+  struct Shot {
+    std::shared_ptr<Frame> frame;
+    std::vector<std::byte> depth;
+    ImageView depth_view;  ///< into `depth`
+  };
+
+  /// A keyframe with its place in the world.
   struct Placed {
+    std::shared_ptr<Shot> shot;
     std::shared_ptr<Keyframe> keyframe;
     Matrix4 T_kw = Matrix4::Identity();
     std::int64_t frame = -1;
@@ -68,8 +78,9 @@ class RgbdOdometry {
   };
 
   void check_input(const ImageView& image, const ImageView& depth, double timestamp);
-  std::shared_ptr<Frame> make_frame(const ImageView& image, const ImageView& depth);
-  bool start(const std::shared_ptr<Frame>& frame, OdometryResult& result);
+  std::shared_ptr<Shot> make_shot(const ImageView& image, const ImageView& depth);
+  void set_depth(const ImageView& depth, Frame& frame);
+  bool start(const std::shared_ptr<Shot>& shot, OdometryResult& result);
   bool follow(const Frame& frame, OdometryResult& result);
   bool recover(const Frame& frame, OdometryResult& result);
   bool try_start(Placed& reference,
@@ -80,9 +91,10 @@ class RgbdOdometry {
                    const Frame& frame,
                    const std::vector<Matrix4>& starts,
                    OdometryResult& result);
+  void judge(const Placed& reference, const Matrix4& T_cw, AlignmentResult& alignment) const;
   bool needs_keyframe(const OdometryResult& result) const;
-  bool add_keyframe(const std::shared_ptr<Frame>& frame, const Matrix4& T_cw, std::int64_t number);
-  void finish(const std::shared_ptr<Frame>& frame, OdometryResult& result);
+  bool add_keyframe(const std::shared_ptr<Shot>& shot, const Matrix4& T_cw, std::int64_t number);
+  void finish(const std::shared_ptr<Shot>& shot, OdometryResult& result);
 
   PinholeCamera camera_;
   OdometryOptions options_;
@@ -91,10 +103,11 @@ class RgbdOdometry {
   InverseDepthConverter converter_;
   Aligner aligner_;
   Aligner coarse_aligner_;
-  std::vector<std::shared_ptr<Frame>> pool_;
+  std::vector<std::shared_ptr<Shot>> pool_;
   Plane<float> D_, V_;
-  std::deque<Placed> keyframes_;     ///< oldest first
-  std::shared_ptr<Frame> previous_;  ///< the last tracked frame
+  SensedDepth sensed_;              ///< of the frame at hand
+  std::deque<Placed> keyframes_;    ///< oldest first
+  std::shared_ptr<Shot> previous_;  ///< the last tracked frame
   std::int64_t previous_number_ = -1;
   std::int64_t num_frames_ = 0;
   double last_timestamp_ = 0.0;

@@ -1,0 +1,1 @@
+raylign_add_test(odometry odometry_test.cpp)
