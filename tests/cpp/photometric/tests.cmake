@@ -1,0 +1,1 @@
+raylign_add_test(photometric noise_law_test.cpp)
