@@ -2,24 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/scene/bundle_problem.h"
 
-#include <Eigen/LU>
 #include <string>
 
 #include "raylign/base/error.h"
 #include "raylign/scene/problem_checks.h"
 
 namespace raylign {
-namespace {
-
-bool is_rigid(const Matrix4& T) {
-  const Matrix3 R = T.topLeftCorner<3, 3>();
-  return T.allFinite() && T.row(3) == Vector4::UnitW().transpose() && R.determinant() > 0.0 &&
-         (R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() <=
-             BundleProblem::kRotationTolerance;
-}
-
-}  // namespace
-
 Matrix4 BundleProblem::pose(std::int64_t i) const {
   return Eigen::Map<const RowMajor<4, 4>>(T_cw.row(i).data());
 }
@@ -39,9 +27,7 @@ void BundleProblem::validate() const {
   check_index("BundleProblem.camera_index", camera_index, num_cameras());
   check_index("BundleProblem.point_index", point_index, num_points());
   for (std::int64_t i = 0; i < num_cameras(); ++i) {
-    if (is_rigid(pose(i))) continue;
-    throw ShapeError("BundleProblem.T_cw[" + std::to_string(i) +
-                     "] is not a rigid transform [R t; 0 0 0 1]");
+    check_rigid("BundleProblem.T_cw[" + std::to_string(i) + "]", pose(i));
   }
 }
 

@@ -30,12 +30,9 @@ struct BundleProblem {
   Matrix4 pose(std::int64_t i) const;
 
   /// Throws ShapeError when lengths disagree, a table has more than 2³¹ − 1 rows, an index is out
-  /// of range or a T_cw is not [R t; 0 1] with R a rotation to kRotationTolerance. Intrinsics,
+  /// of range or a T_cw is not [R t; 0 1] with R a rotation (check_rigid). Intrinsics,
   /// points and pixels are not looked at: a NaN is the business of whoever computes with it.
   void validate() const;
-
-  /// Largest entry of |RᵀR − I|: what poses that went through float32 have.
-  static constexpr double kRotationTolerance = 1e-5;
 };
 
 /// Bitwise equality of every array, and the same model.

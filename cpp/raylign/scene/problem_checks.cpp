@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/scene/problem_checks.h"
 
+#include <Eigen/LU>
 #include <limits>
 
 #include "raylign/base/error.h"
@@ -29,6 +30,14 @@ void check_index(const std::string& field, const Rows<std::int32_t, 1>& index, s
     throw ShapeError(field + "[" + std::to_string(i) + "] is " + std::to_string(index[i]) +
                      ", not in [0, " + std::to_string(count) + ")");
   }
+}
+
+void check_rigid(const std::string& field, const Matrix4& T) {
+  const Matrix3 R = T.topLeftCorner<3, 3>();
+  const bool rigid =
+      T.allFinite() && T.row(3) == Vector4::UnitW().transpose() && R.determinant() > 0.0 &&
+      (R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() <= kRotationTolerance;
+  if (!rigid) throw ShapeError(field + " is not a rigid transform [R t; 0 0 0 1]");
 }
 
 }  // namespace raylign

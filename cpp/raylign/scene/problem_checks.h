@@ -21,6 +21,12 @@ void check_count(const std::string& field, std::int64_t rows);
 /// Throws ShapeError for an index outside [0, count).
 void check_index(const std::string& field, const Rows<std::int32_t, 1>& index, std::int64_t count);
 
+/// Throws ShapeError unless T is [R t; 0 1], finite, with R right-handed and orthonormal to
+/// kRotationTolerance.
+void check_rigid(const std::string& field, const Matrix4& T);
+/// Largest entry of |RᵀR − I|: what poses that went through float32 have.
+inline constexpr double kRotationTolerance = 1e-5;
+
 /// Bitwise equality: 0.0 and −0.0 differ, a NaN equals the same NaN.
 template <typename Table>
 bool same_bits(const Table& a, const Table& b) {
