@@ -187,7 +187,7 @@ def exp(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def levenberg(state: Exercise, num_steps: int):
-    """g2o's loop: yields (state, chi2, lambda after the step, trials) per iteration.
+    """g2o's loop: yields (state, chi2, lambda after the step) per iteration.
 
     An edge that was out of view once, be it in a refused trial, never has a gradient again, while
     its error counts whenever it is in view: the exercise marks it with setLevel(1).
@@ -195,9 +195,9 @@ def levenberg(state: Exercise, num_steps: int):
     current, growth = cost(state), 2.0
     alive = seen(state)
     damping = 1e-5 * linearize(state, alive).max_diagonal()
-    for _ in range(num_steps):
+    for _iteration in range(num_steps):
         H = linearize(state, alive)
-        for trial in range(1, 11):
+        for _trial in range(10):
             candidate, gain = step(state, H, damping)
             alive &= seen(candidate)
             new = cost(candidate)
@@ -208,4 +208,4 @@ def levenberg(state: Exercise, num_steps: int):
                 break
             damping *= growth
             growth *= 2.0
-        yield state, current, damping, trial
+        yield state, current, damping

@@ -85,7 +85,7 @@ class Start:
 def make(
     path: Path = Path.SMALL, *, seed: int = 0, num_points: int = NUM_POINTS, board: bool = False
 ) -> Truth:
-    """Render a room; with `board`, somebody carries a plate past that hides a tenth of each view."""
+    """Render a room; `board`: somebody carries a plate past that hides a tenth of each view."""
     T_cw = path.poses()
     frames = []
     for j, T in enumerate(T_cw):
