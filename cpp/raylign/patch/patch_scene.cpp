@@ -68,6 +68,7 @@ void PatchScene::validate() const {
                     static_cast<std::int64_t>(patches.size()) == N * pattern.size(),
                 "points, hosts, host_uv and patches must have one row per point");
   pattern.validate();
+  for (const auto& image : images) require_shape(image != nullptr, "an image is missing");
   for (std::int64_t p = 0; p < N; ++p) {
     require_shape(starts[p] <= starts[p + 1], "starts must not fall");
     require_shape(hosts[p] >= -1 && hosts[p] < num_images(), "a host must be an image or -1");
@@ -146,6 +147,7 @@ EdgeMotion edge_motion(const PatchScene& scene,
   motion.intrinsics << x, 0.0, 1.0, 0.0,  //
       0.0, y, 0.0, 1.0;
   motion.host_pose.setZero();
+  motion.host_intrinsics.setZero();
   if (!scene.inverse_depth) {
     motion.pose = pose_jacobian(J_q, q);
     motion.point = point_jacobian(J_q, scene.poses[edge.image].q.toRotationMatrix());
@@ -156,6 +158,13 @@ EdgeMotion edge_motion(const PatchScene& scene,
   motion.host_pose = -motion.pose * se3_adjoint(T);
   motion.point.setZero();
   motion.point.col(0) = J_q * T.topRightCorner<3, 1>();
+  const PinholeCamera host = camera_of(scene, scene.hosts[point]);
+  const Vector3 ray = host_ray(scene, point);
+  const RowMajor<2, 3> J_ray = J_q * T.topLeftCorner<3, 3>();
+  motion.host_intrinsics.col(0) = J_ray.col(0) * (-ray.x() / host.fx());
+  motion.host_intrinsics.col(1) = J_ray.col(1) * (-ray.y() / host.fy());
+  motion.host_intrinsics.col(2) = J_ray.col(0) * (-1.0 / host.fx());
+  motion.host_intrinsics.col(3) = J_ray.col(1) * (-1.0 / host.fy());
   return motion;
 }
 

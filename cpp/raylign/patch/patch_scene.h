@@ -105,6 +105,9 @@ struct EdgeMotion {
   RowMajor<2, 6> host_pose;   ///< ∂(u, v)/∂ξ_h; zero but for inverse depth
   RowMajor<2, 3> point;       ///< ∂(u, v)/∂X; inverse depth: first column ∂/∂ρ, the rest zero
   RowMajor<2, 4> intrinsics;  ///< ∂(u, v)/∂(fx, fy, cx, cy) of image j
+  /// The same of the host, by its ray; zero but for inverse depth. One row of intrinsics for all
+  /// images: the derivative is the sum of both.
+  RowMajor<2, 4> host_intrinsics;
 };
 /// At a sample that is seen.
 EdgeMotion edge_motion(const PatchScene& scene,
