@@ -130,6 +130,8 @@ void bind_bundle_options(py::module_& m) {
       .field("lm", &O::lm, "LmOptions.")
       .field("linear_solver", &O::linear_solver, "LinearSolverOptions.")
       .field("jacobian_storage", &O::jacobian_storage, "JacobianStorage; backend NATIVE only.")
+      .field("parity", &O::parity,
+             "Backend NATIVE: take the steps of Ceres, one by one, instead of better ones.")
       .finish();
 }
 

@@ -490,6 +490,7 @@ class BundleOptions:
     lm: LmOptions
     linear_solver: LinearSolverOptions
     jacobian_storage: JacobianStorage
+    parity: bool
     def __init__(
         self,
         *,
@@ -500,6 +501,7 @@ class BundleOptions:
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
         jacobian_storage: JacobianStorage | str = ...,
+        parity: bool = ...,
     ) -> None: ...
     def replace(
         self,
@@ -511,6 +513,7 @@ class BundleOptions:
         lm: LmOptions = ...,
         linear_solver: LinearSolverOptions = ...,
         jacobian_storage: JacobianStorage | str = ...,
+        parity: bool = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...

@@ -149,7 +149,7 @@ def test_native_refuses_what_it_does_not_do(adjust, perturbed, options, field):
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
 @pytest.mark.parametrize("point", ["xyz", "homogeneous"])
 def test_both_engines_walk_the_same_path(perturbed, pose, point):
-    options = BundleOptions(pose_parametrization=pose, point_parametrization=point)
+    options = BundleOptions(pose_parametrization=pose, point_parametrization=point, parity=True)
     rows = {
         backend: bundle.adjust(
             perturbed, options=options.replace(backend=backend)

@@ -376,7 +376,7 @@ def three_free(model: CameraModel) -> BundleConfig:
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
 @pytest.mark.parametrize("point", ["xyz", "homogeneous"])
 def test_both_engines_walk_the_same_path(noisy, model, pose, point):
-    options = BundleOptions(pose_parametrization=pose, point_parametrization=point)
+    options = BundleOptions(pose_parametrization=pose, point_parametrization=point, parity=True)
     ceres, native = (
         bundle.adjust(noisy, config=three_free(model), options=options.replace(backend=backend))
         for backend in (Backend.CERES, Backend.NATIVE)

@@ -47,6 +47,7 @@ struct BundleOptions {
   LmOptions lm;
   LinearSolverOptions linear_solver;
   JacobianStorage jacobian_storage = JacobianStorage::AUTO;  ///< NATIVE only.
+  bool parity = false;  ///< NATIVE: take the steps of Ceres, one by one, instead of better ones.
 
   void validate() const;
 };

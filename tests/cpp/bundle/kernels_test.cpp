@@ -41,8 +41,9 @@ struct Fixture {
       for (int k = 0; k < 3; ++k) X.push_back(problem.points(p, k));
     }
     std::vector<CameraRows> scratch(layout.max_window());
-    cost = body(layout.observations(), 0, layout.num_windows(), cameras.packets(), X.data(), &loss,
-                {J.data(), nullptr}, blocks.data(), sums.data(), 0, scratch.data());
+    const State state{layout.observations(), cameras.packets(), X.data(), &loss};
+    cost = body(state, 0, layout.num_windows(),
+                {{J.data(), nullptr}, blocks.data(), sums.data(), 0, scratch.data()});
   }
   Vector3 point(std::int64_t j) const { return Eigen::Map<const Vector3>(X.data() + 3 * j); }
   Jacobians jacobians() const { return {const_cast<ObservationJacobian*>(J.data()), nullptr}; }
@@ -139,9 +140,17 @@ class Subtraction : public testing::TestWithParam<bool> {  // long tracks: no pl
                         blocks.data(), rhs.data()};
     const ProductWindows windows{static_cast<std::int64_t>(plan_.windows.size()),
                                  plan_.windows.data(), plan_.visits.data(), plan_.products.data()};
+    const DampedProblem problem{s.layout.observations(),
+                                s.cameras.packets(),
+                                s.X.data(),
+                                s.jacobians(),
+                                s.blocks.data(),
+                                factors.data(),
+                                nullptr,
+                                nullptr,
+                                0};
     for (const auto& [begin, end] : {std::pair(0, 2), std::pair(2, count)}) {
-      subtract(s.layout.observations(), windows, s.cameras.packets(), s.X.data(), s.jacobians(),
-               s.blocks.data(), factors.data(), begin, end, S, scratch.data());
+      subtract(problem, windows, {begin, end}, S, scratch.data());
     }
     for (int i = 0; i < count; ++i) {
       Vector9 b = Vector9::Zero();

@@ -35,6 +35,7 @@ BundleOptions options_of(const Setting& setting) {
   options.point_parametrization = setting.point;
   options.loss = {setting.loss, 1.5};
   options.linear_solver.type = LinearSolverType::DENSE_SCHUR;
+  options.parity = true;
   return options;
 }
 

@@ -7,6 +7,7 @@
 
 #include "raylign/base/clones.h"
 #include "raylign/bundle/native/camera_kinds.h"
+#include "raylign/bundle/native/landmark_math.h"
 #include "raylign/bundle/native/point_kinds.h"
 
 // GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
@@ -14,31 +15,6 @@
 
 namespace raylign::native {
 namespace {
-
-// Multiplies J and r by √ρ′ and returns ρ.
-RAYLIGN_INLINE double apply_loss(const Loss& loss, double s, ObservationJacobian& J, double* r) {
-  const LossValue value = loss.evaluate(s);
-  const double weight = std::sqrt(value.d_rho);
-  for (int k = 0; k < 6; ++k) J.A[k] *= weight;
-  for (int k = 0; k < 6; ++k) J.I[k] *= weight;
-  r[0] *= weight;
-  r[1] *= weight;
-  return value.rho;
-}
-
-RAYLIGN_INLINE void add_gradient(const double* A, const double* r, LandmarkBlock& block) {
-  for (int k = 0; k < 3; ++k) block.g[k] += A[k] * r[0] + A[3 + k] * r[1];
-}
-
-RAYLIGN_INLINE void add_hessian(const double* A, LandmarkBlock& block) {
-  const double* b = A + 3;
-  block.H[0] += A[0] * A[0] + b[0] * b[0];
-  block.H[1] += A[0] * A[1] + b[0] * b[1];
-  block.H[2] += A[0] * A[2] + b[0] * b[2];
-  block.H[3] += A[1] * A[1] + b[1] * b[1];
-  block.H[4] += A[1] * A[2] + b[1] * b[2];
-  block.H[5] += A[2] * A[2] + b[2] * b[2];
-}
 
 // Stores J and rounds it; adds to the camera's gradient what rounding takes from Fᵀr, because a
 // gradient of rounded numbers vanishes elsewhere than the true one.
@@ -99,22 +75,18 @@ RAYLIGN_INLINE void write_rows(Point kind,
 template <typename Point, typename Camera>
 RAYLIGN_INLINE bool linearize_landmark(Point kind,
                                        Camera camera_kind,
-                                       const Observations& observations,
+                                       const State& state,
                                        std::int64_t j,
-                                       const CameraPacket* packets,
-                                       const double* X,
-                                       const Loss* loss,
-                                       const Jacobians& J,
-                                       LandmarkBlock* blocks,
-                                       CameraSums* cameras,
+                                       const LinearizationTables& out,
                                        CameraRows* rows,
                                        double& cost) {
-  const double* X_j = X + std::int64_t{Point::kStride} * j;
+  const Observations& observations = state.observations;
+  const double* X_j = state.X + std::int64_t{Point::kStride} * j;
   const Householder H = tangent_at(kind, X_j);
   LandmarkBlock block = {};
   for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
     const std::int32_t i = observations.camera[q];
-    const CameraPacket& camera = packets[i];
+    const CameraPacket& camera = state.packets[i];
     double P[3];
     transform(kind, camera, X_j, P);
     typename Camera::Projection p;
@@ -124,20 +96,21 @@ RAYLIGN_INLINE bool linearize_landmark(Point kind,
     ObservationJacobian J_q;
     jacobian(camera_kind, camera, p, J_q);
     const double s = r[0] * r[0] + r[1] * r[1];
-    cost += loss == nullptr ? s : apply_loss(*loss, s, J_q, r);
+    cost += state.loss == nullptr ? s : apply_loss(*state.loss, s, J_q, r);
     double E[6];
     point_rows(kind, H, J_q.A, camera.c, E);
     add_gradient(E, r, block);
-    if (J.rounded == nullptr) {
-      J.exact[q] = J_q;
+    if (out.J.rounded == nullptr) {
+      out.J.exact[q] = J_q;
     } else {
-      store_rounded(kind, J_q, X_j, camera.c, r, J.rounded[q], cameras[i].g);
+      double* g = out.cameras[i - out.first_camera].g;
+      store_rounded(kind, J_q, X_j, camera.c, r, out.J.rounded[q], g);
       point_rows(kind, H, J_q.A, camera.c, E);
     }
     add_hessian(E, block);
     write_rows(kind, J_q, X_j, camera.c, r, *rows++);
   }
-  blocks[j] = block;
+  out.blocks[j] = block;
   return true;
 }
 
@@ -207,33 +180,24 @@ RAYLIGN_INLINE void add_camera(const CameraRows* rows,
 template <typename Width, typename Point, typename Camera>
 RAYLIGN_INLINE double linearize_windows(Point kind,
                                         Camera camera_kind,
-                                        const Observations& observations,
+                                        const State& state,
                                         std::int64_t begin,
                                         std::int64_t end,
-                                        const CameraPacket* packets,
-                                        const double* X,
-                                        const Loss* loss,
-                                        const Jacobians& J,
-                                        LandmarkBlock* blocks,
-                                        CameraSums* cameras,
-                                        std::int32_t first_camera,
-                                        CameraRows* scratch) {
+                                        const LinearizationTables& out) {
+  const Observations& observations = state.observations;
   double cost = 0.0;
   for (std::int64_t w = begin; w < end; ++w) {
     const std::int64_t first = observations.starts[observations.windows[w]];
     for (auto j = observations.windows[w]; j < observations.windows[w + 1]; ++j) {
-      CameraRows* rows = scratch + (observations.starts[j] - first);
-      if (!linearize_landmark(kind, camera_kind, observations, j, packets, X, loss, J, blocks,
-                              cameras - first_camera, rows, cost)) {
-        return NAN;
-      }
+      CameraRows* rows = out.scratch + (observations.starts[j] - first);
+      if (!linearize_landmark(kind, camera_kind, state, j, out, rows, cost)) return NAN;
     }
     const std::int32_t* places = observations.places + first;
     std::int32_t visited = 0;
     for (auto v = observations.window_visits[w]; v < observations.window_visits[w + 1]; ++v) {
       const CameraVisit& visit = observations.visits[v];
-      add_camera<Width>(scratch, places + visited, places + visit.end,
-                        cameras[visit.camera - first_camera]);
+      add_camera<Width>(out.scratch, places + visited, places + visit.end,
+                        out.cameras[visit.camera - out.first_camera]);
       visited = visit.end;
     }
   }
@@ -243,175 +207,45 @@ RAYLIGN_INLINE double linearize_windows(Point kind,
 // The one switch over cameras.
 template <typename Width, typename Point>
 RAYLIGN_INLINE double linearize_points(Point kind,
-                                       const Observations& observations,
+                                       const State& state,
                                        std::int64_t begin,
                                        std::int64_t end,
-                                       const CameraPacket* packets,
-                                       const double* X,
-                                       const Loss* loss,
-                                       const Jacobians& J,
-                                       LandmarkBlock* blocks,
-                                       CameraSums* cameras,
-                                       std::int32_t first_camera,
-                                       CameraRows* scratch) {
-  switch (observations.camera_kind) {
+                                       const LinearizationTables& out) {
+  switch (state.observations.camera_kind) {
     case CameraKind::PINHOLE:
-      return linearize_windows<Width>(kind, PinholeKind{}, observations, begin, end, packets, X,
-                                      loss, J, blocks, cameras, first_camera, scratch);
+      return linearize_windows<Width>(kind, PinholeKind{}, state, begin, end, out);
     case CameraKind::RADTAN:
-      return linearize_windows<Width>(kind, RadtanKind{}, observations, begin, end, packets, X,
-                                      loss, J, blocks, cameras, first_camera, scratch);
+      return linearize_windows<Width>(kind, RadtanKind{}, state, begin, end, out);
     case CameraKind::BAL:
       break;
   }
-  return linearize_windows<Width>(kind, BalKind{}, observations, begin, end, packets, X, loss, J,
-                                  blocks, cameras, first_camera, scratch);
+  return linearize_windows<Width>(kind, BalKind{}, state, begin, end, out);
 }
 
-RAYLIGN_CLONES double narrow_body(const Observations& observations,
-                                  std::int64_t begin,
-                                  std::int64_t end,
-                                  const CameraPacket* packets,
-                                  const double* X,
-                                  const Loss* loss,
-                                  const Jacobians& J,
-                                  LandmarkBlock* blocks,
-                                  CameraSums* cameras,
-                                  std::int32_t first_camera,
-                                  CameraRows* scratch) {
-  if (observations.point_kind == PointKind::HOMOGENEOUS) {
-    return linearize_points<Four>(HomogeneousPoint{}, observations, begin, end, packets, X, loss, J,
-                                  blocks, cameras, first_camera, scratch);
-  }
-  return linearize_points<Four>(XyzPoint{}, observations, begin, end, packets, X, loss, J, blocks,
-                                cameras, first_camera, scratch);
-}
-
-RAYLIGN_AVX512 double wide_body(const Observations& observations,
-                                std::int64_t begin,
-                                std::int64_t end,
-                                const CameraPacket* packets,
-                                const double* X,
-                                const Loss* loss,
-                                const Jacobians& J,
-                                LandmarkBlock* blocks,
-                                CameraSums* cameras,
-                                std::int32_t first_camera,
-                                CameraRows* scratch) {
-  if (observations.point_kind == PointKind::HOMOGENEOUS) {
-    return linearize_points<Eight>(HomogeneousPoint{}, observations, begin, end, packets, X, loss,
-                                   J, blocks, cameras, first_camera, scratch);
-  }
-  return linearize_points<Eight>(XyzPoint{}, observations, begin, end, packets, X, loss, J, blocks,
-                                 cameras, first_camera, scratch);
-}
-
-template <typename Point, typename Camera>
-RAYLIGN_INLINE TrialSums try_points(Point kind,
-                                    Camera camera_kind,
-                                    const Observations& observations,
+// By value: in registers, where no store through a vector can be thought to change them.
+template <typename Width>
+RAYLIGN_INLINE double linearize_any(State state,
                                     std::int64_t begin,
                                     std::int64_t end,
-                                    const CameraPacket* packets,
-                                    const CameraPacket* trial_packets,
-                                    const double* X,
-                                    const Loss* loss,
-                                    const Jacobians& J,
-                                    const LandmarkBlock* blocks,
-                                    const LandmarkFactor* factors,
-                                    const double* delta,
-                                    double* X_trial,
-                                    double* scratch) {
-  TrialSums sums;
-  for (std::int64_t j = begin; j < end; ++j) {
-    const std::int64_t first = observations.starts[j];
-    const std::int64_t last = observations.starts[j + 1];
-    const double* X_j = X + std::int64_t{Point::kStride} * j;
-    double* X_new = X_trial + std::int64_t{Point::kStride} * j;
-    const double w = weight(kind, X_j);
-    const Householder H = tangent_at(kind, X_j);
-    double y[3] = {blocks[j].g[0], blocks[j].g[1], blocks[j].g[2]};  // g + Σ Eᵀ F δ
-    for (std::int64_t q = first; q < last; ++q) {
-      const std::int32_t i = observations.camera[q];
-      const double* d = delta + std::int64_t{i} * kRow;
-      const double* c = packets[i].c;
-      double a[3];
-      ray(kind, X_j, c, a);
-      double moved[3];  // Fδ = A (ω × a − w δc) + I δ(f, k1, k2)
-      cross(d, a, moved);
-      for (int k = 0; k < 3; ++k) moved[k] -= w * d[3 + k];
-      const ObservationJacobian J_q = load(J, q);
-      double* v = scratch + 2 * (q - first);
-      v[0] = dot3(J_q.A, moved) + dot3(J_q.I, d + 6);
-      v[1] = dot3(J_q.A + 3, moved) + dot3(J_q.I + 3, d + 6);
-      double E[6];
-      point_rows(kind, H, J_q.A, c, E);
-      for (int k = 0; k < 3; ++k) y[k] += E[k] * v[0] + E[3 + k] * v[1];
-    }
-    const double* W = factors[j].W;
-    double z[3];
-    double step[3];
-    multiply_transposed(W, y, z);
-    multiply(W, z, step);
-    const bool moves = W[0] != 0.0 || W[3] != 0.0 || W[5] != 0.0;
-    for (int k = 0; k < 3; ++k) {
-      step[k] = -step[k];
-      sums.squared_step += step[k] * step[k];
-    }
-    for (int k = 0; k < Point::kStride; ++k) sums.squared_state += moves ? X_j[k] * X_j[k] : 0.0;
-    move_point(kind, H, X_j, step, X_new);
-    sums.model_decrease -= dot3(blocks[j].g, step);
-    for (std::int64_t q = first; q < last; ++q) {
-      const ObservationJacobian J_q = load(J, q);
-      const double* v = scratch + 2 * (q - first);
-      double E[6];
-      point_rows(kind, H, J_q.A, packets[observations.camera[q]].c, E);
-      const double u0 = v[0] + dot3(E, step);
-      const double u1 = v[1] + dot3(E + 3, step);
-      sums.model_decrease -= 0.5 * (u0 * u0 + u1 * u1);
-      const CameraPacket& camera = trial_packets[observations.camera[q]];
-      double P[3];
-      transform(kind, camera, X_new, P);
-      typename Camera::Projection p;
-      double r[2] = {NAN, NAN};
-      if (project(camera_kind, camera, P, p)) {
-        residual(camera_kind, camera, p, observations.uv + 2 * q, r);
-      }
-      const double s = r[0] * r[0] + r[1] * r[1];
-      sums.cost += 0.5 * (loss == nullptr ? s : loss->evaluate(s).rho);
-    }
+                                    LinearizationTables out) {
+  if (state.observations.point_kind == PointKind::HOMOGENEOUS) {
+    return linearize_points<Width>(HomogeneousPoint{}, state, begin, end, out);
   }
-  return sums;
+  return linearize_points<Width>(XyzPoint{}, state, begin, end, out);
 }
 
-// The one switch over cameras.
-template <typename Point>
-RAYLIGN_INLINE TrialSums try_cameras(Point kind,
-                                     const Observations& observations,
-                                     std::int64_t begin,
-                                     std::int64_t end,
-                                     const CameraPacket* packets,
-                                     const CameraPacket* trial_packets,
-                                     const double* X,
-                                     const Loss* loss,
-                                     const Jacobians& J,
-                                     const LandmarkBlock* blocks,
-                                     const LandmarkFactor* factors,
-                                     const double* delta,
-                                     double* X_trial,
-                                     double* scratch) {
-  switch (observations.camera_kind) {
-    case CameraKind::PINHOLE:
-      return try_points(kind, PinholeKind{}, observations, begin, end, packets, trial_packets, X,
-                        loss, J, blocks, factors, delta, X_trial, scratch);
-    case CameraKind::RADTAN:
-      return try_points(kind, RadtanKind{}, observations, begin, end, packets, trial_packets, X,
-                        loss, J, blocks, factors, delta, X_trial, scratch);
-    case CameraKind::BAL:
-      break;
-  }
-  return try_points(kind, BalKind{}, observations, begin, end, packets, trial_packets, X, loss, J,
-                    blocks, factors, delta, X_trial, scratch);
+RAYLIGN_CLONES double narrow_body(const State& state,
+                                  std::int64_t begin,
+                                  std::int64_t end,
+                                  const LinearizationTables& out) {
+  return linearize_any<Four>(state, begin, end, out);
+}
+
+RAYLIGN_AVX512 double wide_body(const State& state,
+                                std::int64_t begin,
+                                std::int64_t end,
+                                const LinearizationTables& out) {
+  return linearize_any<Eight>(state, begin, end, out);
 }
 
 }  // namespace
@@ -420,41 +254,11 @@ Linearize* narrow_linearize() { return narrow_body; }
 
 Linearize* wide_linearize() { return has_avx512() ? wide_body : nullptr; }
 
-double linearize(const Observations& observations,
+double linearize(const State& state,
                  std::int64_t begin,
                  std::int64_t end,
-                 const CameraPacket* packets,
-                 const double* X,
-                 const Loss* loss,
-                 const Jacobians& J,
-                 LandmarkBlock* blocks,
-                 CameraSums* cameras,
-                 std::int32_t first_camera,
-                 CameraRows* scratch) {
-  Linearize* const body = has_avx512() ? wide_body : narrow_body;
-  return body(observations, begin, end, packets, X, loss, J, blocks, cameras, first_camera,
-              scratch);
-}
-
-RAYLIGN_CLONES TrialSums try_landmarks(const Observations& observations,
-                                       std::int64_t begin,
-                                       std::int64_t end,
-                                       const CameraPacket* packets,
-                                       const CameraPacket* trial_packets,
-                                       const double* X,
-                                       const Loss* loss,
-                                       const Jacobians& J,
-                                       const LandmarkBlock* blocks,
-                                       const LandmarkFactor* factors,
-                                       const double* delta,
-                                       double* X_trial,
-                                       double* scratch) {
-  if (observations.point_kind == PointKind::HOMOGENEOUS) {
-    return try_cameras(HomogeneousPoint{}, observations, begin, end, packets, trial_packets, X,
-                       loss, J, blocks, factors, delta, X_trial, scratch);
-  }
-  return try_cameras(XyzPoint{}, observations, begin, end, packets, trial_packets, X, loss, J,
-                     blocks, factors, delta, X_trial, scratch);
+                 const LinearizationTables& out) {
+  return (has_avx512() ? wide_body : narrow_body)(state, begin, end, out);
 }
 
 }  // namespace raylign::native

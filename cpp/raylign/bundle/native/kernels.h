@@ -109,21 +109,30 @@ struct alignas(64) CameraRows {
   double r[2];
 };
 
-/// Windows [begin, end): writes J, one per observation, and H, g, one per landmark; adds to
-/// `cameras`, whose first is camera `first_camera`. Returns ½ Σ ρ(‖r‖²), NaN when a point lies in a
-/// camera's plane. `loss` may be null: least squares. `scratch`: (Layout::max_window(),), one per
-/// thread.
-double linearize(const Observations& observations,
+/// A state of the problem: everything that a residual is made of. Pointers into the caller's
+/// arrays.
+struct State {
+  Observations observations;
+  const CameraPacket* packets;  ///< (C,)
+  const double* X;              ///< (L, 3) or (L, 4)
+  const Loss* loss;             ///< null: least squares
+};
+
+/// Where `linearize` writes.
+struct LinearizationTables {
+  Jacobians J;            ///< (N,)
+  LandmarkBlock* blocks;  ///< (L,)
+  CameraSums* cameras;    ///< added to; of cameras from `first_camera` on
+  std::int32_t first_camera;
+  CameraRows* scratch;  ///< (Layout::max_window(),), one per thread
+};
+
+/// Windows [begin, end): writes J, H and g, adds to the cameras' sums. Returns ½ Σ ρ(‖r‖²), NaN
+/// when a point lies in a camera's plane.
+double linearize(const State& state,
                  std::int64_t begin,
                  std::int64_t end,
-                 const CameraPacket* packets,
-                 const double* X,
-                 const Loss* loss,
-                 const Jacobians& J,
-                 LandmarkBlock* blocks,
-                 CameraSums* cameras,
-                 std::int32_t first_camera,
-                 CameraRows* scratch);
+                 const LinearizationTables& out);
 
 /// The two bodies of `linearize`, by the width of their vectors, for the tests; it takes the one
 /// that the machine runs faster.
@@ -131,28 +140,18 @@ using Linearize = decltype(linearize);
 Linearize* narrow_linearize();
 Linearize* wide_linearize();  ///< null where there is no AVX-512
 
-/// Sums over landmarks of what the loop wants to know of a step.
-struct TrialSums {
-  double cost = 0.0;
-  double model_decrease = 0.0;  ///< without the cameras' −gᵀδ
-  double squared_step = 0.0;
-  double squared_state = 0.0;
+/// A linearised and damped problem: all that S is made of. Pointers into the caller's arrays.
+struct DampedProblem {
+  Observations observations;
+  const CameraPacket* packets;     ///< (C,)
+  const double* X;                 ///< (L, 3)
+  Jacobians J;                     ///< (N,)
+  const LandmarkBlock* landmarks;  ///< (L,)
+  const LandmarkFactor* factors;   ///< (L,) of the damped landmarks
+  const CameraSums* cameras;       ///< (C,)
+  const double* damping;           ///< added to the diagonal of S, by the user's columns
+  int linearization;               ///< which one: rises by one whenever J is computed again
+  bool tight = false;              ///< the step shall be exact
 };
-
-/// Landmarks [begin, end): δX = −W Wᵀ (g + Σ Eᵀ F δ), X_trial = X ⊞ δX, and the cost there.
-/// `delta`: canonical camera steps, (C, kRow). `scratch`: (2 · max_track_length,), one per thread.
-TrialSums try_landmarks(const Observations& observations,
-                        std::int64_t begin,
-                        std::int64_t end,
-                        const CameraPacket* packets,
-                        const CameraPacket* trial_packets,
-                        const double* X,
-                        const Loss* loss,
-                        const Jacobians& J,
-                        const LandmarkBlock* blocks,
-                        const LandmarkFactor* factors,
-                        const double* delta,
-                        double* X_trial,
-                        double* scratch);
 
 }  // namespace raylign::native

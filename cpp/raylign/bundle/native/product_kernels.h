@@ -8,20 +8,6 @@
 
 namespace raylign::native {
 
-/// A linearised and damped problem: all that S is made of. Pointers into the caller's arrays.
-struct DampedProblem {
-  Observations observations;
-  const CameraPacket* packets;     ///< (C,)
-  const double* X;                 ///< (L, 3)
-  Jacobians J;                     ///< (N,)
-  const LandmarkBlock* landmarks;  ///< (L,)
-  const LandmarkFactor* factors;   ///< (L,) of the damped landmarks
-  const CameraSums* cameras;       ///< (C,)
-  const double* damping;           ///< added to the diagonal of S, by the user's columns
-  int linearization;               ///< which one: rises by one whenever J is computed again
-  bool tight = false;              ///< the step shall be exact
-};
-
 /// y += the part of S x that block rows [row_begin, row_end) of the upper triangle and their mirror
 /// images make. x: (C, kRow); y: (C − row_begin, kRow), for such rows touch no camera before them.
 void multiply_rows(const std::int64_t* starts,

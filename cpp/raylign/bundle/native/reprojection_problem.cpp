@@ -7,7 +7,9 @@
 #include <cstring>
 #include <limits>
 
+#include "raylign/bundle/native/landmark_math.h"
 #include "raylign/bundle/native/make_solver.h"
+#include "raylign/bundle/native/trial_kernels.h"
 
 namespace raylign::native {
 namespace {
@@ -20,6 +22,7 @@ std::vector<CoordinateMask> landmark_masks(const Layout& layout, const Constants
 }
 
 constexpr int kCamerasPerTask = 32;
+constexpr int kDiagonal[3] = {0, 3, 5};  // of LandmarkBlock::H
 
 // max(a, |b|), NaN once b is not finite: std::max would step over it.
 double larger(double a, double b) {
@@ -113,10 +116,10 @@ LmState ReprojectionProblem::linearize_chunks() {
 void ReprojectionProblem::linearize_chunk(int g) {
   LmState& state = chunk_states_[g];
   std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
-  state.cost = native::linearize(
-      layout_.observations(), layout_.chunk_windows[g], layout_.chunk_windows[g + 1],
-      cameras_.packets(), X_.data(), loss(), J_.view(), landmark_blocks_.data(),
-      chunk_cameras_[g].data(), chunk_first_camera_[g], chunk_rows_[g].data());
+  const LinearizationTables tables{J_.view(), landmark_blocks_.data(), chunk_cameras_[g].data(),
+                                   chunk_first_camera_[g], chunk_rows_[g].data()};
+  state.cost = native::linearize(this->state(), layout_.chunk_windows[g],
+                                 layout_.chunk_windows[g + 1], tables);
   state.gradient_max_norm = 0.0;
   for (std::int64_t j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
     for (int k = 0; k < 3; ++k) {
@@ -164,7 +167,6 @@ void ReprojectionProblem::sum_camera(int i) {
 }
 
 void ReprojectionProblem::set_scales() {
-  constexpr int kDiagonal[3] = {0, 3, 5};
   for (std::size_t a = 0; a < camera_scales_.size(); ++a) {
     camera_scales_[a] = lm_column_scale(camera_diagonal_[a], options_.lm);
   }
@@ -188,41 +190,24 @@ void ReprojectionProblem::set_damping(double lambda) {
   });
 }
 
-// Cholesky of the damped 3×3 block and W = L⁻ᵀ. A held coordinate is eliminated as if it stood
-// alone, then its row and column are struck out.
 LandmarkFactor ReprojectionProblem::factor_landmark(std::int64_t landmark, double lambda) const {
   const double* scales = landmark_scales_.data() + 3 * landmark;
-  const auto damped = [&](double h, int k) {
-    return h + lambda * lm_damping(h, scales[k], options_.lm);
-  };
   const double* H = landmark_blocks_[landmark].H;
-  const bool hx = is_held(landmark, 0);
-  const bool hy = is_held(landmark, 1);
-  const bool hz = is_held(landmark, 2);
-  const double xx = hx ? 1.0 : damped(H[0], 0);
-  const double xy = hx || hy ? 0.0 : H[1];
-  const double xz = hx || hz ? 0.0 : H[2];
-  const double yy = hy ? 1.0 : damped(H[3], 1);
-  const double yz = hy || hz ? 0.0 : H[4];
-  const double zz = hz ? 1.0 : damped(H[5], 2);
-  const double w_x = 1.0 / std::sqrt(xx);
-  const double l_yx = xy * w_x;
-  const double l_zx = xz * w_x;
-  const double w_y = 1.0 / std::sqrt(yy - l_yx * l_yx);
-  const double l_zy = (yz - l_zx * l_yx) * w_y;
-  const double w_z = 1.0 / std::sqrt(zz - l_zx * l_zx - l_zy * l_zy);
-  // NaN and ∞ where a pivot is not positive: the landmark stays this time
-  if (!(std::isfinite(w_x) && std::isfinite(w_y) && std::isfinite(w_z))) return {};
-  const double w_yz = -l_zy * w_y * w_z;
-  return {{hx ? 0.0 : w_x, -l_yx * w_x * w_y, -(l_zx * w_z + l_yx * w_yz) * w_x, hy ? 0.0 : w_y,
-           w_yz, hz ? 0.0 : w_z}};
+  double diagonal[3];
+  bool held[3];
+  for (int k = 0; k < 3; ++k) {
+    const double h = H[kDiagonal[k]];
+    diagonal[k] = h + lambda * lm_damping(h, scales[k], options_.lm);
+    held[k] = is_held(landmark, k);
+  }
+  return factor_block(H, diagonal, held);
 }
 
 DampedProblem ReprojectionProblem::damped(double lambda) {
   set_damping(lambda);
-  return {observations(),      cameras_.packets(),      X_.data(),
-          J_.view(),           landmark_blocks_.data(), landmark_factors_.data(),
-          camera_sums_.data(), damping_.data(),         num_linearizations_};
+  return {layout_.observations(),  cameras_.packets(),       X_.data(),           J_.view(),
+          landmark_blocks_.data(), landmark_factors_.data(), camera_sums_.data(), damping_.data(),
+          num_linearizations_};
 }
 
 LmSolve ReprojectionProblem::solve_once(double lambda, bool tight) {
@@ -272,12 +257,17 @@ double ReprojectionProblem::camera_gradient_step() const {
 LmTrial ReprojectionProblem::try_step() {
   set_canonical_step();
   cameras_.try_step(delta_.data());
+  const TrialStep step{state(),
+                       cameras_.trial_packets(),
+                       J_.view(),
+                       landmark_blocks_.data(),
+                       landmark_factors_.data(),
+                       canonical_delta_.data(),
+                       X_trial_.data(),
+                       !options_.parity};
   pool_.run(layout_.num_chunks(), [&](int g) {
     chunk_trials_[g] =
-        try_landmarks(observations(), layout_.chunks[g], layout_.chunks[g + 1], cameras_.packets(),
-                      cameras_.trial_packets(), X_.data(), loss(), J_.view(),
-                      landmark_blocks_.data(), landmark_factors_.data(), canonical_delta_.data(),
-                      X_trial_.data(), chunk_scratch_[g].data());
+        try_landmarks(step, layout_.chunks[g], layout_.chunks[g + 1], chunk_scratch_[g].data());
   });
   TrialSums sums;
   for (const TrialSums& chunk : chunk_trials_) {

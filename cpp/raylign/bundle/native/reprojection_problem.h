@@ -13,6 +13,7 @@
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
 #include "raylign/bundle/native/make_solver.h"
+#include "raylign/bundle/native/trial_kernels.h"
 #include "raylign/parametrization/constants.h"
 #include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_options.h"
@@ -52,9 +53,9 @@ class ReprojectionProblem {
   std::string jacobian_storage() const { return J_.description(); }
 
  private:
-  Observations observations() const { return layout_.observations(); }
-  const Loss* loss() const {
-    return options_.loss.type == LossType::TRIVIAL ? nullptr : &options_.loss;
+  State state() const {
+    const Loss* loss = options_.loss.type == LossType::TRIVIAL ? nullptr : &options_.loss;
+    return {layout_.observations(), cameras_.packets(), X_.data(), loss};
   }
   bool is_held(std::int64_t landmark, int k) const { return !held_.empty() && held_[landmark][k]; }
 

@@ -119,16 +119,15 @@ RAYLIGN_INLINE void subtract_products(const Elimination* Z_i,
 template <typename Width>
 RAYLIGN_INLINE void subtract_visits(const ProductWindows& plan,
                                     const ProductWindow& window,
-                                    std::int32_t row_begin,
-                                    std::int32_t row_end,
+                                    RowRange rows,
                                     const SchurBlocks& S,
                                     const Elimination* Z) {
   const Product* products = plan.products + window.products_begin;
   std::int32_t begin = 0;
   for (auto v = window.visits_begin; v < window.visits_end; ++v) {
     const BlockVisit& visit = plan.visits[v];
-    if (visit.row >= row_end) return;
-    if (visit.row >= row_begin) {
+    if (visit.row >= rows.end) return;
+    if (visit.row >= rows.begin) {
       subtract_products<Width>(Z, Z, products + begin, products + visit.products_end,
                                S.blocks[visit.block]);
     }
@@ -140,13 +139,12 @@ RAYLIGN_INLINE void subtract_visits(const ProductWindows& plan,
 template <typename Width>
 RAYLIGN_INLINE void subtract_track(const std::int32_t* track,
                                    std::int64_t length,
-                                   std::int32_t row_begin,
-                                   std::int32_t row_end,
+                                   RowRange rows,
                                    const SchurBlocks& S,
                                    const Elimination* Z) {
   const Product itself = {0, 0};
-  for (std::int64_t a = 0; a < length && track[a] < row_end; ++a) {
-    if (track[a] < row_begin || S.active[track[a]] == 0) continue;
+  for (std::int64_t a = 0; a < length && track[a] < rows.end; ++a) {
+    if (track[a] < rows.begin || S.active[track[a]] == 0) continue;
     std::int64_t block = S.starts[track[a]];
     for (std::int64_t b = a; b < length; ++b) {
       if (S.active[track[b]] == 0) continue;
@@ -159,104 +157,82 @@ RAYLIGN_INLINE void subtract_track(const std::int32_t* track,
   }
 }
 
-// Z of a window's observations by cameras from row_begin on; the right-hand side of the rows.
+// Z of a window's observations by cameras from the first row on; the right-hand side of the rows.
 template <typename Point>
 RAYLIGN_INLINE void eliminate_landmark(Point kind,
-                                       const Observations& observations,
+                                       const DampedProblem& problem,
                                        std::int64_t j,
-                                       const CameraPacket* packets,
-                                       const double* X,
-                                       const Jacobians& J,
-                                       const LandmarkBlock* blocks,
-                                       const LandmarkFactor* factors,
-                                       std::int32_t row_begin,
-                                       std::int32_t row_end,
+                                       RowRange rows,
                                        const SchurBlocks& S,
                                        Elimination* Z) {
-  const std::int64_t first = observations.starts[j];
-  const std::int64_t length = observations.starts[j + 1] - first;
-  const std::int32_t* track = observations.camera + first;
-  if (track[0] >= row_end || track[length - 1] < row_begin) return;
-  const double* X_j = X + std::int64_t{Point::kStride} * j;
+  const std::int64_t first = problem.observations.starts[j];
+  const std::int64_t length = problem.observations.starts[j + 1] - first;
+  const std::int32_t* track = problem.observations.camera + first;
+  if (track[0] >= rows.end || track[length - 1] < rows.begin) return;
+  const double* X_j = problem.X + std::int64_t{Point::kStride} * j;
   const Householder H = tangent_at(kind, X_j);
-  const double* W = factors[j].W;
+  const double* W = problem.factors[j].W;
   double y[3];
-  multiply_transposed(W, blocks[j].g, y);
+  multiply_transposed(W, problem.landmarks[j].g, y);
   for (std::int64_t a = 0; a < length; ++a) {
     const std::int32_t i = track[a];
-    if (i < row_begin || S.active[i] == 0) continue;
-    eliminate(kind, H, load(J, first + a), W, X_j, packets[i].c, Z[a]);
-    if (i < row_end) add_rhs(Z[a], y, S.rhs + std::int64_t{i} * kRow);
+    if (i < rows.begin || S.active[i] == 0) continue;
+    eliminate(kind, H, load(problem.J, first + a), W, X_j, problem.packets[i].c, Z[a]);
+    if (i < rows.end) add_rhs(Z[a], y, S.rhs + std::int64_t{i} * kRow);
   }
 }
 
 template <typename Width, typename Point>
 RAYLIGN_INLINE void subtract_windows(Point kind,
-                                     const Observations& observations,
+                                     const DampedProblem& problem,
                                      const ProductWindows& plan,
-                                     const CameraPacket* packets,
-                                     const double* X,
-                                     const Jacobians& J,
-                                     const LandmarkBlock* blocks,
-                                     const LandmarkFactor* factors,
-                                     std::int32_t row_begin,
-                                     std::int32_t row_end,
+                                     RowRange rows,
                                      const SchurBlocks& S,
                                      Elimination* scratch) {
+  const Observations& observations = problem.observations;
   for (std::int64_t w = 0; w < plan.count; ++w) {
     const ProductWindow& window = plan.windows[w];
     const std::int64_t first = observations.starts[window.landmark_begin];
     for (auto j = window.landmark_begin; j < window.landmark_end; ++j) {
-      eliminate_landmark(kind, observations, j, packets, X, J, blocks, factors, row_begin, row_end,
-                         S, scratch + (observations.starts[j] - first));
+      eliminate_landmark(kind, problem, j, rows, S, scratch + (observations.starts[j] - first));
     }
     if (window.is_planned) {
-      subtract_visits<Width>(plan, window, row_begin, row_end, S, scratch);
+      subtract_visits<Width>(plan, window, rows, S, scratch);
     } else {
       const std::int64_t length = observations.starts[window.landmark_end] - first;
-      subtract_track<Width>(observations.camera + first, length, row_begin, row_end, S, scratch);
+      subtract_track<Width>(observations.camera + first, length, rows, S, scratch);
     }
   }
 }
 
-RAYLIGN_CLONES void subtract_narrow(const Observations& observations,
-                                    const ProductWindows& plan,
-                                    const CameraPacket* packets,
-                                    const double* X,
-                                    const Jacobians& J,
-                                    const LandmarkBlock* blocks,
-                                    const LandmarkFactor* factors,
-                                    std::int32_t row_begin,
-                                    std::int32_t row_end,
-                                    const SchurBlocks& S,
-                                    Elimination* scratch) {
-  if (observations.point_kind == PointKind::HOMOGENEOUS) {
-    subtract_windows<Four>(HomogeneousPoint{}, observations, plan, packets, X, J, blocks, factors,
-                           row_begin, row_end, S, scratch);
+// By value: in registers, where no store through a vector can be thought to change them.
+template <typename Width>
+RAYLIGN_INLINE void subtract_any(DampedProblem problem,
+                                 ProductWindows plan,
+                                 RowRange rows,
+                                 SchurBlocks S,
+                                 Elimination* scratch) {
+  if (problem.observations.point_kind == PointKind::HOMOGENEOUS) {
+    subtract_windows<Width>(HomogeneousPoint{}, problem, plan, rows, S, scratch);
   } else {
-    subtract_windows<Four>(XyzPoint{}, observations, plan, packets, X, J, blocks, factors,
-                           row_begin, row_end, S, scratch);
+    subtract_windows<Width>(XyzPoint{}, problem, plan, rows, S, scratch);
   }
 }
 
-RAYLIGN_AVX512 void subtract_wide(const Observations& observations,
+RAYLIGN_CLONES void subtract_narrow(const DampedProblem& problem,
+                                    const ProductWindows& plan,
+                                    RowRange rows,
+                                    const SchurBlocks& S,
+                                    Elimination* scratch) {
+  subtract_any<Four>(problem, plan, rows, S, scratch);
+}
+
+RAYLIGN_AVX512 void subtract_wide(const DampedProblem& problem,
                                   const ProductWindows& plan,
-                                  const CameraPacket* packets,
-                                  const double* X,
-                                  const Jacobians& J,
-                                  const LandmarkBlock* blocks,
-                                  const LandmarkFactor* factors,
-                                  std::int32_t row_begin,
-                                  std::int32_t row_end,
+                                  RowRange rows,
                                   const SchurBlocks& S,
                                   Elimination* scratch) {
-  if (observations.point_kind == PointKind::HOMOGENEOUS) {
-    subtract_windows<Eight>(HomogeneousPoint{}, observations, plan, packets, X, J, blocks, factors,
-                            row_begin, row_end, S, scratch);
-  } else {
-    subtract_windows<Eight>(XyzPoint{}, observations, plan, packets, X, J, blocks, factors,
-                            row_begin, row_end, S, scratch);
-  }
+  subtract_any<Eight>(problem, plan, rows, S, scratch);
 }
 
 }  // namespace
@@ -265,19 +241,12 @@ SubtractLandmarks* narrow_subtract_landmarks() { return subtract_narrow; }
 
 SubtractLandmarks* wide_subtract_landmarks() { return has_avx512() ? subtract_wide : nullptr; }
 
-void subtract_landmarks(const Observations& observations,
+void subtract_landmarks(const DampedProblem& problem,
                         const ProductWindows& plan,
-                        const CameraPacket* packets,
-                        const double* X,
-                        const Jacobians& J,
-                        const LandmarkBlock* blocks,
-                        const LandmarkFactor* factors,
-                        std::int32_t row_begin,
-                        std::int32_t row_end,
+                        RowRange rows,
                         const SchurBlocks& S,
                         Elimination* scratch) {
-  SubtractLandmarks* const body = has_avx512() ? subtract_wide : subtract_narrow;
-  body(observations, plan, packets, X, J, blocks, factors, row_begin, row_end, S, scratch);
+  (has_avx512() ? subtract_wide : subtract_narrow)(problem, plan, rows, S, scratch);
 }
 
 RAYLIGN_CLONES void fold_block(const Block& M,

@@ -52,18 +52,17 @@ struct SchurBlocks {
   bool diagonal_only = false;  ///< there are no other blocks
 };
 
-/// Block rows [row_begin, row_end) of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ E
-/// W. Each block is summed window after window and there in the order of the landmarks, whatever
-/// the rows of the call. `scratch`: (Layout::max_window(),), one per thread.
-void subtract_landmarks(const Observations& observations,
+/// Block rows [begin, end).
+struct RowRange {
+  std::int32_t begin, end;
+};
+
+/// The given rows of S −= Σ Z Zᵀ and rhs += Σ Z Wᵀg over all landmarks, Z = Fᵀ E W. Each block is
+/// summed window after window and there in the order of the landmarks, whatever the rows of the
+/// call. `scratch`: (Layout::max_window(),), one per thread.
+void subtract_landmarks(const DampedProblem& problem,
                         const ProductWindows& plan,
-                        const CameraPacket* packets,
-                        const double* X,
-                        const Jacobians& J,
-                        const LandmarkBlock* blocks,
-                        const LandmarkFactor* factors,
-                        std::int32_t row_begin,
-                        std::int32_t row_end,
+                        RowRange rows,
                         const SchurBlocks& S,
                         Elimination* scratch);
 

@@ -53,8 +53,7 @@ void SchurSystem::form(const DampedProblem& problem) {
     const std::int32_t begin = row_parts_[part];
     const std::int32_t end = row_parts_[part + 1];
     set_cameras(problem.cameras, begin, end);
-    subtract_landmarks(problem.observations, plan, problem.packets, problem.X, problem.J,
-                       problem.landmarks, problem.factors, begin, end, S, scratch_[part].data());
+    subtract_landmarks(problem, plan, {begin, end}, S, scratch_[part].data());
     fold_rows(problem.damping, begin, end);
   });
 }

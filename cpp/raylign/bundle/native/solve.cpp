@@ -67,9 +67,10 @@ Summary solve(BundleScene& scene,
   const double preprocessor_time_s = clock.seconds();
 
   const int num_blocks = static_cast<int>(scene.num_observations());
+  const LambdaRule rule = options.parity ? LambdaRule::CERES : LambdaRule::FAST;
   Summary summary = native_problem.num_effective_parameters() == 0
                         ? evaluate_only(native_problem, options.lm, num_blocks)
-                        : minimize(native_problem, options.lm, callback, clock, num_blocks);
+                        : minimize(native_problem, options.lm, callback, clock, num_blocks, rule);
   summary.backend = "native";
   summary.num_residuals = 2 * num_blocks;
   summary.num_effective_parameters = native_problem.num_effective_parameters();
