@@ -1,1 +1,2 @@
 raylign_add_test(photometric noise_law_test.cpp)
+raylign_add_test(photometric patch_problem_test.cpp)

@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "raylign/photometric/native/patch_reader.h"
+
+/// Residuals of an edge, their robust law, and the fourteen sums that the normal equations are made
+/// of. Included by patch_kernels.cpp alone.
+namespace raylign::native {
+
+RAYLIGN_INLINE F4 mask_lanes(std::uint32_t mask, int strip) {
+  const std::uint32_t bits = mask >> (4 * strip);
+  const I4 lanes = {static_cast<std::int32_t>(bits & 1u), static_cast<std::int32_t>(bits >> 1 & 1u),
+                    static_cast<std::int32_t>(bits >> 2 & 1u),
+                    static_cast<std::int32_t>(bits >> 3 & 1u)};
+  return __builtin_convertvector(lanes, F4);
+}
+
+RAYLIGN_INLINE F4 square_root(F4 s) {
+  F4 root;
+  for (int k = 0; k < 4; ++k) root[k] = __builtin_sqrtf(s[k]);
+  return root;
+}
+
+// ρ of the pixels of an edge added up; products of 1 + s / k stand for sums of logarithms.
+struct RhoSum {
+  F4 sum = {};
+  F4 product = {1.0f, 1.0f, 1.0f, 1.0f};
+  double log_sum = 0.0;
+};
+
+RAYLIGN_INLINE void flush(RhoSum& rho) {
+  const double product = (static_cast<double>(rho.product[0]) * rho.product[1]) *
+                         (static_cast<double>(rho.product[2]) * rho.product[3]);
+  rho.log_sum += std::log(product);
+  rho.product = F4{1.0f, 1.0f, 1.0f, 1.0f};
+}
+
+// Adds ρ(s) of the lanes where m = 1; returns ρ′(s) m.
+RAYLIGN_INLINE F4 weigh(Law law, float scale, float inverse_k, F4 s, F4 m, RhoSum& rho) {
+  if (law == Law::LOG) {
+    const F4 x = 1.0f + s * inverse_k * m;
+    rho.product *= x;
+    return m / x;
+  }
+  if (law == Law::HUBER) {
+    const F4 root = square_root(s);
+    const F4 linear = 2.0f * scale * root - scale * scale;
+    const I4 is_inner = root <= scale;
+    rho.sum += m * (is_inner ? s : linear);
+    return m * (is_inner ? F4{1.0f, 1.0f, 1.0f, 1.0f} : scale / root);
+  }
+  rho.sum += m * s;
+  return m;
+}
+
+// ρ(s) and ρ′(s) of a whole patch.
+RAYLIGN_INLINE double weigh_patch(const PatchArrays& arrays, double s, double& weight) {
+  if (arrays.law == Law::LOG) {
+    weight = 1.0 / (1.0 + s / arrays.law_scale);
+    return arrays.law_scale * std::log(1.0 + s / arrays.law_scale);
+  }
+  const double a = arrays.law_scale;
+  if (arrays.law == Law::HUBER && s > a * a) {
+    const double root = std::sqrt(s);
+    weight = a / root;
+    return 2.0 * a * root - a * a;
+  }
+  weight = 1.0;
+  return s;
+}
+
+struct Brightness {
+  double gain, offset, host_gain;
+};
+
+RAYLIGN_INLINE Brightness edge_brightness(const PatchArrays& arrays,
+                                          const PatchStateArrays& state,
+                                          std::int64_t p,
+                                          const ImagePacket& image) {
+  const std::int32_t host = arrays.hosts[p];
+  if (host < 0) return {image.gain, image.b, 1.0};
+  const ImagePacket& from = state.images[host];
+  return {image.gain * from.inverse_gain, from.inverse_gain * (image.b - from.b),
+          from.inverse_gain};
+}
+
+// T and v of an edge; see patch_kernels.h.
+struct EdgeTensor {
+  double T[4][4];
+  double v[4];
+};
+
+// Lane sums of one edge: ∇I ∇Iᵀ, ∇I I, ∇I, I I, I, 1, r ∇I, r I, r, each times w.
+struct TensorSums {
+  F4 uu = {}, uv = {}, vv = {}, uI = {}, vI = {}, u = {}, v = {}, II = {}, I = {}, one = {};
+  F4 ru = {}, rv = {}, rI = {}, r = {};
+};
+
+RAYLIGN_INLINE void add_strip(TensorSums& t, F4 I, F4 I_u, F4 I_v, F4 r, F4 w) {
+  const F4 wu = w * I_u;
+  const F4 wv = w * I_v;
+  const F4 wI = w * I;
+  t.uu += wu * I_u;
+  t.uv += wu * I_v;
+  t.vv += wv * I_v;
+  t.uI += wu * I;
+  t.vI += wv * I;
+  t.u += wu;
+  t.v += wv;
+  t.II += wI * I;
+  t.I += wI;
+  t.one += w;
+  t.ru += wu * r;
+  t.rv += wv * r;
+  t.rI += wI * r;
+  t.r += w * r;
+}
+
+RAYLIGN_INLINE void finish_tensor(
+    const TensorSums& t, double gain, double slope, double weight, EdgeTensor& out) {
+  const F4 first = sum_lanes(t.uu, t.uv, t.vv, t.uI);
+  const F4 second = sum_lanes(t.vI, t.u, t.v, t.II);
+  const F4 third = sum_lanes(t.I, t.one, t.ru, t.rv);
+  const F4 fourth = sum_lanes(t.rI, t.r, t.r, t.r);
+  const double s = weight * slope;
+  const double g = weight * gain;
+  out.T[0][0] = s * slope * first[0];
+  out.T[0][1] = out.T[1][0] = s * slope * first[1];
+  out.T[1][1] = s * slope * first[2];
+  out.T[0][2] = out.T[2][0] = s * gain * first[3];
+  out.T[1][2] = out.T[2][1] = s * gain * second[0];
+  out.T[0][3] = out.T[3][0] = s * second[1];
+  out.T[1][3] = out.T[3][1] = s * second[2];
+  out.T[2][2] = g * gain * second[3];
+  out.T[2][3] = out.T[3][2] = g * third[0];
+  out.T[3][3] = weight * third[1];
+  out.v[0] = s * third[2];
+  out.v[1] = s * third[3];
+  out.v[2] = g * fourth[0];
+  out.v[3] = weight * fourth[1];
+}
+
+// ½ Σ ρ of an edge and, with kGradient, its tensor.
+template <bool kGradient>
+RAYLIGN_INLINE double edge_cost(const PatchArrays& arrays,
+                                const KernelEdge& edge,
+                                const PatchPixels& pixels,
+                                const float* c,
+                                const Brightness& brightness,
+                                double slope,
+                                EdgeTensor& tensor) {
+  const auto gain = static_cast<float>(brightness.gain);
+  const auto offset = static_cast<float>(brightness.offset);
+  const auto scale = static_cast<float>(arrays.law_scale);
+  const auto inverse_k = static_cast<float>(1.0 / arrays.law_scale);
+  const Law law = arrays.per_patch ? Law::TRIVIAL : arrays.law;
+  RhoSum rho;
+  TensorSums sums;
+  const int num_strips = arrays.padded_pixels / 4;
+  for (int n = 0; n < num_strips; ++n) {
+    const F4 r = load(c + 4 * n) - (gain * pixels.I[n] + offset);
+    const F4 w = weigh(law, scale, inverse_k, r * r, mask_lanes(edge.mask, n), rho);
+    if (kGradient) add_strip(sums, pixels.I[n], pixels.I_u[n], pixels.I_v[n], r, w);
+    if (law == Law::LOG && n % 4 == 3) flush(rho);  // four factors of a lane fit a float
+  }
+  double weight = 1.0;
+  double twice = 0.0;
+  if (law == Law::LOG) {
+    if (num_strips % 4 != 0) flush(rho);
+    twice = arrays.law_scale * rho.log_sum;
+  } else {
+    twice = (static_cast<double>(rho.sum[0]) + rho.sum[1]) +
+            (static_cast<double>(rho.sum[2]) + rho.sum[3]);
+    if (arrays.per_patch) twice = weigh_patch(arrays, twice, weight);
+  }
+  if (kGradient) finish_tensor(sums, brightness.gain, slope, weight, tensor);
+  return 0.5 * twice;
+}
+
+}  // namespace raylign::native

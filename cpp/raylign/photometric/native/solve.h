@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "raylign/patch/patch_scene.h"
+#include "raylign/patch/patch_solve_options.h"
+#include "raylign/solver/summary.h"
+
+namespace raylign::native {
+
+/// Throws ShapeError when the constraints' lengths do not fit, OptionsError when the dense system
+/// would be too large, and what scene.validate() throws.
+void check_solvable(const PatchScene& scene, const PatchConstraints& constraints);
+
+/// Minimises the scene's cost with raylign's own engine: gradient tensors instead of 16-row
+/// Jacobians, points eliminated, the images' system dense. On return `scene` holds the best state
+/// found, the start bit by bit when no step was accepted. Same bits for any number of threads.
+/// Throws OptionsError, ShapeError; numerical trouble is Termination::FAILURE.
+/// @param interrupted  asked before every linear solve
+Summary solve_patches(PatchScene& scene,
+                      const PatchConstraints& constraints,
+                      const PatchSolveOptions& options,
+                      const IterationCallback& callback = nullptr,
+                      const InterruptCheck& interrupted = nullptr);
+
+}  // namespace raylign::native
