@@ -1,0 +1,300 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/photometric/covariance.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <vector>
+
+#include "raylign/base/error.h"
+#include "raylign/parametrization/pose_update.h"
+#include "raylign/photometric/cramer_rao.h"
+#include "support/patch_scenes.h"
+
+namespace raylign::test {
+namespace {
+
+/// Every residual of a scene and its dense Jacobian by central differences: free poses (6 each),
+/// brightness, then points. What the covariances are compared with.
+class DenseScene {
+ public:
+  DenseScene(const PatchScene& scene, const PatchConstraints& held) : scene_(scene), held_(held) {
+    for (std::int64_t j = 0; j < scene.num_images(); ++j) {
+      if (!held.poses[j].all()) poses_.push_back(j);
+      for (int k = 0; k < 2; ++k) {
+        if (!held.brightness[j][k]) brightness_.push_back({j, k});
+      }
+    }
+    for (std::size_t k = 0; k < held.intrinsics.size() * 4; ++k) {
+      if (!held.intrinsics[k / 4][k % 4]) intrinsics_.push_back(static_cast<int>(k));
+    }
+    d_ = scene.inverse_depth ? 1 : 3;
+    J_.resize(residuals(scene).size(), num_parameters());
+    for (Eigen::Index k = 0; k < J_.cols(); ++k) J_.col(k) = column(k);
+  }
+
+  Eigen::Index num_camera_parameters() const {
+    return static_cast<Eigen::Index>(6 * poses_.size() + brightness_.size() + intrinsics_.size());
+  }
+  Eigen::Index num_parameters() const { return num_camera_parameters() + d_ * scene_.num_points(); }
+  const Eigen::MatrixXd& J() const { return J_; }
+  Eigen::VectorXd residuals() const { return residuals(scene_); }
+  Eigen::VectorXd residuals(const PatchScene& scene) const {
+    std::vector<double> all;
+    for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+      for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
+        const EdgeSample sample = evaluate_edge(scene, p, scene.edges[e]);
+        for (int n = 0; n < scene.pattern.size(); ++n) all.push_back(sample.residual[n]);
+      }
+    }
+    return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+  }
+
+  /// Covariance of noise that is the same, share s of the variance, in all images of a patch's
+  /// pixel; none in the host itself.
+  Eigen::MatrixXd noise(double s) const {
+    const int n = scene_.pattern.size();
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(J_.rows(), J_.rows());
+    for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
+      for (std::int64_t e = scene_.starts[p]; e < scene_.starts[p + 1]; ++e) {
+        for (std::int64_t f = scene_.starts[p]; f < scene_.starts[p + 1]; ++f) {
+          if (scene_.edges[e].image == scene_.hosts[p]) continue;
+          if (scene_.edges[f].image == scene_.hosts[p]) continue;
+          for (int i = 0; i < n; ++i) C(n * e + i, n * f + i) = e == f ? 1.0 : s;
+        }
+      }
+    }
+    return C;
+  }
+
+  /// (6, 6) of the k-th free pose.
+  static Matrix6 pose(const Eigen::MatrixXd& C, Eigen::Index k) {
+    return C.block<6, 6>(6 * k, 6 * k);
+  }
+  std::int64_t free_pose(std::size_t k) const { return poses_[k]; }
+  std::size_t num_free_poses() const { return poses_.size(); }
+
+  PatchScene moved(PatchScene scene, Eigen::Index k, double step) const {
+    const auto at = static_cast<std::size_t>(k);
+    if (at < 6 * poses_.size()) {
+      Vector6 xi = Vector6::Zero();
+      xi[k % 6] = step;
+      PatchPose& pose = scene.poses[poses_[at / 6]];
+      pose_plus(TranslationUpdate::COUPLED, {}, xi, pose.q, pose.t);
+      return scene;
+    }
+    std::size_t rest = at - 6 * poses_.size();
+    if (rest < brightness_.size()) {
+      scene.brightness(brightness_[rest].first, brightness_[rest].second) += step;
+      return scene;
+    }
+    rest -= brightness_.size();
+    if (rest < intrinsics_.size()) {
+      scene.intrinsics(intrinsics_[rest] / 4, intrinsics_[rest] % 4) += step;
+      return scene;
+    }
+    rest -= intrinsics_.size();
+    scene.points(static_cast<Eigen::Index>(rest) / d_, static_cast<Eigen::Index>(rest) % d_) +=
+        step;
+    return scene;
+  }
+
+  /// ∂ world point / ∂ parameters, (3, parameters).
+  Eigen::MatrixXd world_point_jacobian(std::int64_t p) const {
+    Eigen::MatrixXd G(3, num_parameters());
+    const double h = 1e-6;
+    for (Eigen::Index k = 0; k < G.cols(); ++k) {
+      G.col(k) =
+          (world_point(moved(scene_, k, h), p) - world_point(moved(scene_, k, -h), p)) / (2.0 * h);
+    }
+    return G;
+  }
+
+ private:
+  Eigen::VectorXd column(Eigen::Index k) const {
+    const double h = 1e-6;
+    return (residuals(moved(scene_, k, h)) - residuals(moved(scene_, k, -h))) / (2.0 * h);
+  }
+
+  const PatchScene& scene_;
+  const PatchConstraints held_;
+  std::vector<std::int64_t> poses_;
+  std::vector<std::pair<std::int64_t, int>> brightness_;
+  std::vector<int> intrinsics_;
+  Eigen::Index d_ = 3;
+  Eigen::MatrixXd J_;
+};
+
+Eigen::MatrixXd sandwich(const Eigen::MatrixXd& J, const Eigen::MatrixXd& noise) {
+  const Eigen::MatrixXd H = J.transpose() * J;
+  const Eigen::MatrixXd inverse = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
+  return inverse * (J.transpose() * noise * J) * inverse;
+}
+
+template <typename A, typename B>
+double relative_difference(const A& a, const B& b) {
+  return (a - b).norm() / b.norm();
+}
+
+Matrix3 matrix3(const Rows<double, 9>& table, std::int64_t row) {
+  return Eigen::Map<const RowMajor<3, 3>>(table.row(row).data());
+}
+
+struct Case {
+  const char* name;
+  bool hosted, inverse_depth, brightness, intrinsics;
+  double share;
+};
+class CovarianceTest : public testing::TestWithParam<Case> {
+ protected:
+  PatchSceneOptions scene_options() const {
+    PatchSceneOptions options;
+    options.num_images = 4;
+    options.num_points = 12;
+    options.hosted = GetParam().hosted;
+    options.inverse_depth = GetParam().inverse_depth;
+    options.brightness = GetParam().brightness;
+    options.sigma = 2.0;
+    return options;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(All,
+                         CovarianceTest,
+                         testing::Values(Case{"stored", false, false, false, false, 0.0},
+                                         Case{"stored_shared", false, false, true, false, 0.4},
+                                         Case{"xyz", true, false, true, true, 0.5},
+                                         Case{"inverse_depth", true, true, true, false, 0.5},
+                                         Case{"intrinsics", true, true, false, true, 0.3}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(CovarianceTest, IsTheInverseOfAllUnknownsAtOnce) {
+  const PatchScene scene = patch_case(scene_options()).truth;
+  const PatchConstraints held =
+      patch_constraints(scene, GetParam().brightness, GetParam().intrinsics);
+  PatchSolveOptions options;  // TRIVIAL
+  CovarianceOptions wanted;
+  wanted.points = true;
+  wanted.shared_noise = GetParam().share;
+  const PhotometricCovariance covariance = photometric_covariance(scene, held, options, wanted);
+  EXPECT_EQ(covariance.free_directions, 0);
+
+  const DenseScene dense(scene, held);
+  double sum = 0.0;
+  double count = 0.0;
+  const Eigen::MatrixXd noise = dense.noise(GetParam().share);
+  const Eigen::VectorXd r = dense.residuals();
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    sum += noise(i, i) * r[i] * r[i];
+    count += noise(i, i);
+  }
+  EXPECT_NEAR(covariance.variance, sum / (count - double(dense.num_parameters())), 1e-9);
+
+  const Eigen::MatrixXd C = covariance.variance * sandwich(dense.J(), noise);
+  for (std::size_t k = 0; k < dense.num_free_poses(); ++k) {
+    const auto j = static_cast<Eigen::Index>(dense.free_pose(k));
+    EXPECT_LT(relative_difference(covariance.poses.block(6 * j, 6 * j, 6, 6),
+                                  DenseScene::pose(C, static_cast<Eigen::Index>(k))),
+              1e-5);
+  }
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    const Eigen::MatrixXd G = dense.world_point_jacobian(p);
+    const Matrix3 expected = G * C * G.transpose();
+    EXPECT_LT(relative_difference(matrix3(covariance.points, p), expected), 1e-5) << p;
+  }
+}
+
+TEST(CramerRao, IsTheInverseInformation) {
+  PatchSceneOptions scene_options;
+  scene_options.num_images = 4;
+  scene_options.num_points = 12;
+  scene_options.hosted = false;
+  const PatchScene scene = patch_case(scene_options).truth;
+  const PatchConstraints held = patch_constraints(scene);
+  CramerRaoOptions options;
+  options.sigma = 3.0;
+  options.is_rounded = true;
+  const CramerRaoBound bound = cramer_rao(scene, held, options);
+  const DenseScene dense(scene, held);
+  const Eigen::MatrixXd C =
+      (9.0 + 1.0 / 12.0) *
+      sandwich(dense.J(), Eigen::MatrixXd::Identity(dense.J().rows(), dense.J().rows()));
+  for (std::size_t k = 0; k < dense.num_free_poses(); ++k) {
+    const auto j = static_cast<Eigen::Index>(dense.free_pose(k));
+    const Matrix6 expected = DenseScene::pose(C, static_cast<Eigen::Index>(k));
+    EXPECT_LT(relative_difference(bound.poses.block(6 * j, 6 * j, 6, 6), expected), 1e-5);
+    const Matrix3 R_wc = scene.poses[j].q.toRotationMatrix().transpose();
+    const Matrix3 center = R_wc * expected.topLeftCorner<3, 3>() * R_wc.transpose();
+    EXPECT_LT(relative_difference(matrix3(bound.centers, j), center), 1e-5);
+  }
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    const Eigen::MatrixXd G = dense.world_point_jacobian(p);
+    EXPECT_LT(relative_difference(matrix3(bound.points, p), Matrix3(G * C * G.transpose())), 1e-5);
+  }
+}
+
+TEST(CramerRao, NoisyPatchesAreUnknownGreyValues) {
+  PatchSceneOptions options;
+  options.num_images = 4;
+  options.num_points = 8;
+  options.inverse_depth = true;
+  options.brightness = true;
+  const PatchScene scene = patch_case(options).truth;
+  const PatchConstraints held = patch_constraints(scene, true);
+  const DenseScene dense(scene, held);
+  // One more unknown per pixel of each patch, c: the host says c + noise, image v says
+  // (c − r) / gain + noise.
+  const int n = scene.pattern.size();
+  const Eigen::Index unknown = dense.num_parameters();
+  const Eigen::Index num_grey = n * scene.num_points();
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dense.J().rows() + num_grey, unknown + num_grey);
+  J.bottomRightCorner(num_grey, num_grey).setIdentity();
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
+      const double gain = edge_brightness(scene, p, scene.edges[e]).gain;
+      for (int i = 0; i < n; ++i) {
+        J.row(n * e + i).head(unknown) = dense.J().row(n * e + i) / gain;
+        J(n * e + i, unknown + n * p + i) = 1.0 / gain;
+      }
+    }
+  }
+  const Eigen::MatrixXd C = 4.0 * sandwich(J, Eigen::MatrixXd::Identity(J.rows(), J.rows()));
+  CramerRaoOptions bound_options;
+  bound_options.sigma = 2.0;
+  bound_options.has_noisy_patches = true;
+  const CramerRaoBound bound = cramer_rao(scene, held, bound_options);
+  for (std::size_t k = 0; k < dense.num_free_poses(); ++k) {
+    const auto j = static_cast<Eigen::Index>(dense.free_pose(k));
+    EXPECT_LT(relative_difference(bound.poses.block(6 * j, 6 * j, 6, 6),
+                                  DenseScene::pose(C, static_cast<Eigen::Index>(k))),
+              1e-5);
+  }
+  // The same from world points: they stand on their hosts' rays.
+  PatchSceneOptions xyz_options = options;
+  xyz_options.inverse_depth = false;
+  const CramerRaoBound same = cramer_rao(patch_case(xyz_options).truth, held, bound_options);
+  EXPECT_LT(relative_difference(same.poses, bound.poses), 1e-6);
+  EXPECT_LT(relative_difference(same.points, bound.points), 1e-6);
+  // Noise of the patches costs.
+  bound_options.has_noisy_patches = false;
+  EXPECT_LT(cramer_rao(scene, held, bound_options).poses.trace(), 0.8 * bound.poses.trace());
+}
+
+TEST(CramerRao, SaysWhatIsFreeAndRefusesBadOptions) {
+  PatchSceneOptions scene_options;
+  scene_options.num_points = 20;
+  scene_options.hosted = false;
+  const PatchScene scene = patch_case(scene_options).truth;
+  PatchConstraints held = patch_constraints(scene);
+  EXPECT_EQ(cramer_rao(scene, held, {}).free_directions, 0);
+  held.poses.assign(held.poses.size(), PoseMask{});
+  EXPECT_EQ(cramer_rao(scene, held, {}).free_directions, 7);
+  EXPECT_EQ(photometric_covariance(scene, held, {}).free_directions, 7);
+  EXPECT_THROW(cramer_rao(scene, held, {-1.0}), OptionsError);
+  EXPECT_THROW(cramer_rao(scene, held, {1.0, false, true}), OptionsError);  // no hosts
+  EXPECT_THROW(photometric_covariance(scene, held, {}, {false, 1.5}), OptionsError);
+}
+
+}  // namespace
+}  // namespace raylign::test
