@@ -161,14 +161,15 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
   PoseState state = {start.T_th, start.a, start.b};
   TermScales scales;
   scales.depth_weight = options_.depth.weight;
-  BlockSums blocks;
   LmOptions lm = options_.lm;
   for (int level = levels.coarsest; level >= levels.finest; --level) {
     // a level too poor to say anything is passed over
     if (keyframe.points(level).num_points() < options_.acceptance.min_points) continue;
     const Stopwatch clock;
     PointPass pass(keyframe, target, level, options_, pool_, workspace_);
-    AlignmentProblem<Motion> problem(pass, options_, state, scales);
+    const bool is_last = level == levels.finest;
+    const bool estimates = pass.has_depth_term() && options_.depth.estimate_weight;
+    AlignmentProblem<Motion> problem(pass, options_, state, scales, is_last || estimates);
     lm.max_num_iterations = options_.max_iterations(level);
     LevelResult record;
     record.summary = minimize(problem, lm, IterationCallback(), clock, pass.num_points());
@@ -176,17 +177,12 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
     record.level = level;
     record.num_points = pass.num_points();
     record.depth_weight = pass.has_depth_term() ? scales.depth_weight : 0.0;
-    const bool is_last = level == levels.finest;
-    if (is_last || (pass.has_depth_term() && options_.depth.estimate_weight)) {
-      // the spare buffer: the problem is done with it
-      blocks.sums = pass.run_tiles(state, scales, nullptr, workspace_.variances[0], blocks.tiles);
-    }
-    record.num_evaluations = problem.num_evaluations() + (is_last ? 1 : 0);
+    if (is_last || estimates) problem.thaw();
+    record.num_evaluations = problem.num_evaluations();
     result.levels.push_back(std::move(record));
+    const BlockSums blocks = {problem.sums(), problem.tiles()};
     if (!is_last) {
-      if (pass.has_depth_term() && options_.depth.estimate_weight) {
-        scales = estimate_scales(blocks, options_, scales);
-      }
+      if (estimates) scales = estimate_scales(blocks, options_, scales);
       continue;
     }
     result.T_th = on_group(state.T_th);

@@ -67,10 +67,12 @@ class AlignmentProblem {
   AlignmentProblem(PointPass& pass,
                    const TrackingOptions& options,
                    const PoseState& start,
-                   const TermScales& scales)
+                   const TermScales& scales,
+                   bool with_tiles = false)
       : pass_(pass),
         options_(options),
         scales_(scales),
+        with_tiles_(with_tiles),
         state_(start),
         num_points_(pass.num_points()) {
     for (int k = 0; k < Motion::kSize; ++k) columns_.push_back(Motion::kFirst + k);
@@ -136,8 +138,14 @@ class AlignmentProblem {
   const PoseState& state() const { return state_; }
   const PassSums& sums() const { return sums_; }
   int num_evaluations() const { return num_evaluations_; }
-  /// σ² of the current state.
-  const VarianceBuffers& variances() const { return pass_.workspace().variances[current_]; }
+  /// By tiles, at the current state.
+  const std::vector<TileSums>& tiles() const { return pass_.workspace().buffers[current_].tiles; }
+
+  /// Makes the sums those of σ at the current state.
+  void thaw() {
+    if (options_.sigma_mode != SigmaMode::FROZEN) return;
+    sums_ = run(state_, nullptr, buffers(current_));
+  }
 
  private:
   using System = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kColumns, kColumns>;
@@ -147,11 +155,11 @@ class AlignmentProblem {
   static constexpr double kSmallB = 0.1;
   static constexpr double kGreyRange = 255.0;
 
-  VarianceBuffers& buffers(int i) { return pass_.workspace().variances[i]; }
+  PassBuffers& buffers(int i) { return pass_.workspace().buffers[i]; }
 
-  PassSums run(const PoseState& state, const VarianceBuffers* reference, VarianceBuffers& out) {
+  PassSums run(const PoseState& state, const PassBuffers* reference, PassBuffers& out) {
     ++num_evaluations_;
-    return pass_.run(state, scales_, reference, out);
+    return pass_.run(state, scales_, reference, out, with_tiles_);
   }
 
   static double mean_rho(const TermSums& sums) {
@@ -215,6 +223,7 @@ class AlignmentProblem {
   PointPass& pass_;
   const TrackingOptions& options_;
   TermScales scales_;
+  bool with_tiles_;
   PoseState state_, trial_;
   PassSums sums_, trial_sums_;
   NormalEquations equations_;

@@ -60,9 +60,9 @@ double agreement(const std::vector<TileSums>& tiles) {
   double agree = 0.0;
   double by_chance = 0.0;
   for (const TileSums& tile : tiles) {
-    pairs += tile.pairs;
-    agree += tile.agree;
-    by_chance += tile.agree_by_chance;
+    pairs += static_cast<double>(tile.pairs);
+    agree += static_cast<double>(tile.agree);
+    by_chance += static_cast<double>(tile.agree_by_chance);
   }
   return pairs > by_chance ? (agree - by_chance) / (pairs - by_chance) : 0.0;
 }
@@ -153,9 +153,10 @@ double over_dispersion(const BlockSums& blocks, const TrackingOptions& options, 
           : photometric_equations(blocks.sums.photometric, options.affine.mode != AffineMode::NONE);
   std::vector<Vector9> gradients;
   for (const TileSums& tile : blocks.tiles) {
-    if (!(tile.count > 0.0)) continue;
+    if (!(tile.count > 0.0F)) continue;
     Vector9 g = Vector9::Zero();
-    for (int k = 0; k < 6; ++k) g[k] = of_depth ? tile.g_depth[k] : tile.g_photometric[k];
+    for (int k = 0; k < 6; ++k)
+      g[k] = static_cast<double>(of_depth ? tile.g_depth[k] : tile.g_photometric[k]);
     gradients.push_back(g);
   }
   if (gradients.size() < kMinTiles) return kNan;
@@ -187,7 +188,7 @@ void set_uncertainty(const BlockSums& blocks,
   set_eigenvalues(result.information, columns, result);
   std::vector<Vector9> gradients;
   for (const TileSums& tile : blocks.tiles) {
-    if (tile.count > 0.0) gradients.push_back(tile_gradient(tile, depth_weight, with_scale));
+    if (tile.count > 0.0F) gradients.push_back(tile_gradient(tile, depth_weight, with_scale));
   }
   if (gradients.size() < kMinTiles) return;
   const Dense S = select(scatter_of_gradients(gradients), columns);

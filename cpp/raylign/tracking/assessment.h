@@ -10,10 +10,10 @@
 
 namespace raylign::tracking {
 
-/// Block-wise sums at the pose that is assessed.
+/// The sums of the pass at the pose that is assessed, as a whole and by tiles.
 struct BlockSums {
-  PassSums sums;
-  std::vector<TileSums> tiles;
+  const PassSums& sums;
+  const std::vector<TileSums>& tiles;
 };
 
 /// Over-dispersion of a term: mean over the columns of the ratio of the variance of its gradient,

@@ -48,13 +48,20 @@ struct Warped {
   alignas(32) std::int32_t ok[kStrip];
 };
 
-// The residual of one term over a strip, then its weight and Jacobian.
+// Cells of the target, interpolated; `corner` is the fourth number of the upper left one.
+struct Sampled {
+  alignas(32) float value[kStrip], du[kStrip], dv[kStrip], corner[kStrip];
+};
+
+// The residual of one term over a strip, then its weight and Jacobian. Points without a residual
+// have r, precision, w and J of zero.
 struct Residuals {
-  alignas(32) float r[kStrip], variance[kStrip], reference[kStrip];
+  alignas(32) float r[kStrip], precision[kStrip];
   alignas(32) float g_u[kStrip], g_v[kStrip];
   alignas(32) float n2[kStrip], n2_reference[kStrip];
   alignas(32) float rho[kStrip], rho_reference[kStrip], d_rho[kStrip];
   alignas(32) float w[kStrip], wr[kStrip];
+  alignas(32) float count[kStrip];  // 1 or 0
   alignas(32) std::int32_t ok[kStrip];
   alignas(32) float J[kMaxColumns][kStrip];
 };
@@ -98,27 +105,48 @@ RAYLIGN_INLINE void warp_strip(
   }
 }
 
-// Bilinear interpolation of whole cells.
+// A cell and the one to its right.
+typedef float CellPair __attribute__((vector_size(32), aligned(16), may_alias));
+
+RAYLIGN_INLINE Cell interpolate(const CellPair* top, const CellPair* bottom, float f, float g) {
+  const CellPair column = *top + g * (*bottom - *top);
+  const Cell left = __builtin_shufflevector(column, column, 0, 1, 2, 3);
+  const Cell right = __builtin_shufflevector(column, column, 4, 5, 6, 7);
+  return left + f * (right - left);
+}
+
+// Bilinear interpolation of whole cells, four points at a time, then their transpose.
+template <bool WithCorner>
 RAYLIGN_INLINE void sample_strip(
-    const float* cells, int width, const Warped& warped, int n, float* sampled) {
+    const float* cells, int width, const Warped& warped, int n, Sampled& out) {
   const auto* all = reinterpret_cast<const Cell*>(cells);
-  auto* out = reinterpret_cast<Cell*>(sampled);
-  for (int i = 0; i < n; ++i) {
-    const Cell* top = all + warped.cell[i];
-    const Cell* bottom = top + width;
-    const Cell upper = top[0] + warped.f[i] * (top[1] - top[0]);
-    const Cell lower = bottom[0] + warped.f[i] * (bottom[1] - bottom[0]);
-    out[i] = upper + warped.g[i] * (lower - upper);
+  for (int i = 0; i < n; i += 4) {
+    Cell point[4];
+    for (int k = 0; k < 4; ++k) {
+      const Cell* top = all + warped.cell[i + k];
+      const Cell* bottom = top + width;
+      point[k] =
+          interpolate(reinterpret_cast<const CellPair*>(top),
+                      reinterpret_cast<const CellPair*>(bottom), warped.f[i + k], warped.g[i + k]);
+      if constexpr (WithCorner) out.corner[i + k] = (*top)[3];
+    }
+    const Cell a01 = __builtin_shufflevector(point[0], point[1], 0, 4, 1, 5);
+    const Cell a23 = __builtin_shufflevector(point[2], point[3], 0, 4, 1, 5);
+    const Cell b01 = __builtin_shufflevector(point[0], point[1], 2, 6, 3, 7);
+    const Cell b23 = __builtin_shufflevector(point[2], point[3], 2, 6, 3, 7);
+    *reinterpret_cast<Cell*>(out.value + i) = __builtin_shufflevector(a01, a23, 0, 1, 4, 5);
+    *reinterpret_cast<Cell*>(out.du + i) = __builtin_shufflevector(a01, a23, 2, 3, 6, 7);
+    *reinterpret_cast<Cell*>(out.dv + i) = __builtin_shufflevector(b01, b23, 0, 1, 4, 5);
   }
 }
 
 RAYLIGN_INLINE bool is_finite(float value) { return value - value == 0.0F; }
 
-// r, ∇I and σ_r² (eq. 13, 14); counts good points.
+// r, ∇I and 1/σ_r² (eq. 13, 14).
 RAYLIGN_INLINE void photometric_strip(const PointArrays& points,
                                       const PassSettings& settings,
                                       const Warped& warped,
-                                      const float* sampled,
+                                      const Sampled& sampled,
                                       std::int64_t begin,
                                       int n,
                                       Residuals& out) {
@@ -127,83 +155,88 @@ RAYLIGN_INLINE void photometric_strip(const PointArrays& points,
   const float* h_u = aligned(points.g_u + begin);
   const float* h_v = aligned(points.g_v + begin);
   const float gain = settings.gain;
+  const float b = settings.b;
+  const float host_variance = settings.host_variance;
+  const float target_variance = settings.target_variance;
   const float own = settings.esm ? 0.5F : 1.0F;
   const float rolled = settings.esm ? 0.5F : 0.0F;
+  const float exact = settings.exact_noise ? 1.0F : 0.0F;
   const float c = rolled * settings.roll_cos;
   const float s = rolled * settings.roll_sin;
+  const WarpPose<float> pose = warped.pose;
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const float r = photometric_residual(I[i], sampled[4 * i], gain, settings.b);
-    const float g_u = own * gain * sampled[4 * i + 1] + (c * h_u[i] - s * h_v[i]);
-    const float g_v = own * gain * sampled[4 * i + 2] + (s * h_u[i] + c * h_v[i]);
+    const float r = photometric_residual(I[i], sampled.value[i], gain, b);
+    const float g_u = own * gain * sampled.du[i] + (c * h_u[i] - s * h_v[i]);
+    const float g_v = own * gain * sampled.dv[i] + (s * h_u[i] + c * h_v[i]);
     const WarpedPoint<float> p = point_of(warped, i);
-    const float d_r_d_D = photometric_d_inverse_depth(epipolar_step(p, warped.pose), g_u, g_v);
-    const float factor =
-        settings.exact_noise ? bilinear_noise_factor(warped.f[i], warped.g[i]) : 1.0F;
-    const float variance = photometric_variance(
-        settings.host_variance + settings.target_variance * factor, d_r_d_D, V[i]);
+    const float d_r_d_D = photometric_d_inverse_depth(epipolar_step(p, pose), g_u, g_v);
+    const float factor = 1.0F + exact * (bilinear_noise_factor(warped.f[i], warped.g[i]) - 1.0F);
+    const float variance =
+        photometric_variance(host_variance + target_variance * factor, d_r_d_D, V[i]);
     const bool ok = (warped.ok[i] != 0) & is_finite(r) & is_finite(g_u) & is_finite(g_v);
     out.ok[i] = ok ? 1 : 0;
+    out.count[i] = ok ? 1.0F : 0.0F;
     out.r[i] = ok ? r : 0.0F;
-    out.g_u[i] = g_u;
-    out.g_v[i] = g_v;
-    out.variance[i] = ok ? variance : -1.0F;
+    out.g_u[i] = ok ? g_u : 0.0F;
+    out.g_v[i] = ok ? g_v : 0.0F;
+    out.precision[i] = ok ? 1.0F / variance : 0.0F;
   }
 }
 
-// r_d and σ_d².
+// r_d and 1/σ_d².
 RAYLIGN_INLINE void depth_strip(const PointArrays& points,
-                                const TargetArrays& target,
                                 const PassSettings& settings,
                                 const Warped& warped,
-                                const float* sampled,
+                                const Sampled& sampled,
                                 std::int64_t begin,
                                 int n,
                                 Residuals& out) {
   const float* V = aligned(points.V + begin);
   const float slope = settings.depth_gradient ? 1.0F : 0.0F;
-  alignas(32) float V_t[kStrip];
-  for (int i = 0; i < n; ++i) V_t[i] = target.depth[warped.cell[i]].variance;
+  const float gate = settings.depth_gate;
+  const WarpPose<float> pose = warped.pose;
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const WarpedPoint<float> p = point_of(warped, i);
-    const float d_u = slope * sampled[4 * i + 1];
-    const float d_v = slope * sampled[4 * i + 2];
-    const float r = depth_residual(p, sampled[4 * i]);
-    const float limit = settings.depth_gate * sampled[4 * i];  // NaN stays out, too
-    const float d_r_d_D =
-        depth_d_inverse_depth(p, warped.pose, epipolar_step(p, warped.pose), d_u, d_v);
-    const bool ok = (warped.ok[i] != 0) & (V_t[i] > 0.0F) & (r <= limit) & (-r <= limit);
+    const float d_u = slope * sampled.du[i];
+    const float d_v = slope * sampled.dv[i];
+    const float r = depth_residual(p, sampled.value[i]);
+    const float limit = gate * sampled.value[i];  // NaN stays out, too
+    const float d_r_d_D = depth_d_inverse_depth(p, pose, epipolar_step(p, pose), d_u, d_v);
+    const float V_t = sampled.corner[i];
+    const bool ok = (warped.ok[i] != 0) & (V_t > 0.0F) & (r <= limit) & (-r <= limit);
+    const float variance = depth_variance(V_t, d_r_d_D, V[i]);
     out.ok[i] = ok ? 1 : 0;
+    out.count[i] = ok ? 1.0F : 0.0F;
     out.r[i] = ok ? r : 0.0F;
     out.g_u[i] = d_u;
     out.g_v[i] = d_v;
-    out.variance[i] = ok ? depth_variance(V_t[i], d_r_d_D, V[i]) : -1.0F;
+    out.precision[i] = ok ? 1.0F / variance : 0.0F;
   }
 }
 
-// n² = r² / (scale σ)² at this pose's and at the reference's σ; the σ² that count are left in
-// `variance`.
+// n² = r² / (scale σ)² at this pose's and at the reference's σ; the 1/σ² that count are left in
+// `precision`.
 RAYLIGN_INLINE void normalise_strip(
     const float* reference, bool freeze, float scale, int n, Residuals& out) {
+  const float shrink = 1.0F / (scale * scale);
   if (reference == nullptr) {
-    for (int i = 0; i < n; ++i) out.reference[i] = out.variance[i];
-  } else {
-    const float* known = reference;
-    for (int i = 0; i < n; ++i) out.reference[i] = known[i] > 0.0F ? known[i] : out.variance[i];
-    if (freeze) {
-      for (int i = 0; i < n; ++i) {
-        out.variance[i] = out.ok[i] != 0 ? out.reference[i] : -1.0F;
-      }
+    for (int i = 0; i < n; ++i) {
+      out.n2[i] = shrink * (out.r[i] * out.r[i]) * out.precision[i];
+      out.n2_reference[i] = out.n2[i];
     }
+    return;
   }
-  const float square = scale * scale;
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const bool ok = out.ok[i] != 0;
-    const float r2 = out.r[i] * out.r[i];
-    out.n2[i] = r2 / (ok ? square * out.variance[i] : 1.0F);
-    out.n2_reference[i] = r2 / (ok ? square * out.reference[i] : 1.0F);
+    const float r2 = shrink * (out.r[i] * out.r[i]);
+    const float own = out.precision[i];
+    const float known = reference[i] > 0.0F ? reference[i] : own;
+    const float chosen = freeze & (out.ok[i] != 0) ? known : own;
+    out.precision[i] = chosen;
+    out.n2[i] = r2 * chosen;
+    out.n2_reference[i] = r2 * known;
   }
 }
 
@@ -242,16 +275,15 @@ RAYLIGN_INLINE void loss_strip(const Loss& loss, int n, Residuals& out) {
   }
 }
 
-// w = ρ′ / (scale σ)², and zeros for points without a residual, whose r and J may be NaN.
+// w = ρ′ / (scale σ)².
 RAYLIGN_INLINE void weigh_strip(float scale, int n, Residuals& out) {
-  const float square = scale * scale;
+  const float shrink = 1.0F / (scale * scale);
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const bool ok = out.ok[i] != 0;
-    const float w = ok ? out.d_rho[i] / (square * (ok ? out.variance[i] : 1.0F)) : 0.0F;
+    const float w = shrink * out.d_rho[i] * out.precision[i];
     out.w[i] = w;
     out.wr[i] = w * out.r[i];
-    out.d_rho[i] = ok ? out.d_rho[i] : 0.0F;
+    out.d_rho[i] *= out.count[i];
   }
 }
 

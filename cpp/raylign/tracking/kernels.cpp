@@ -19,9 +19,8 @@ RAYLIGN_INLINE void photometric_columns(const Warped& warped, int n, Residuals& 
 
 RAYLIGN_INLINE void brightness_columns(const float* sampled, float gain, int n, Residuals& out) {
   for (int i = 0; i < n; ++i) {
-    const bool ok = out.ok[i] != 0;
-    out.J[6][i] = ok ? -gain * sampled[4 * i] : 0.0F;
-    out.J[7][i] = ok ? -1.0F : 0.0F;
+    out.J[6][i] = out.ok[i] != 0 ? -gain * sampled[i] : 0.0F;
+    out.J[7][i] = -out.count[i];
   }
 }
 
@@ -65,21 +64,13 @@ RAYLIGN_INLINE void accumulate(const Residuals& in, int n, TermLanes& sums) {
   if constexpr (Columns > 7) accumulate_row<7, Columns>(in, n, H, sums.g);
 }
 
-RAYLIGN_INLINE void accumulate_costs(Residuals& in, int n, TermLanes& sums) {
-#pragma GCC ivdep
-  for (int i = 0; i < n; ++i) {
-    const bool ok = in.ok[i] != 0;
-    in.rho[i] = ok ? in.rho[i] : 0.0F;
-    in.rho_reference[i] = ok ? in.rho_reference[i] : 0.0F;
-    in.n2[i] *= in.d_rho[i];
-    in.n2_reference[i] = ok ? 1.0F : 0.0F;
-  }
+RAYLIGN_INLINE void accumulate_costs(const Residuals& in, int n, TermLanes& sums) {
   for (int i = 0; i < n; i += kLanes) {
     sums.rho += load(in.rho + i);
     sums.rho_reference += load(in.rho_reference + i);
     sums.weight += load(in.d_rho + i);
-    sums.weighted_square += load(in.n2 + i);
-    sums.count += load(in.n2_reference + i);
+    sums.weighted_square += load(in.d_rho + i) * load(in.n2 + i);
+    sums.count += load(in.count + i);
   }
 }
 
@@ -95,16 +86,15 @@ RAYLIGN_INLINE void flush(const TermLanes& lanes, int columns, TermSums& sums) {
 
 // Good points and usage; LSD-SLAM's tests of a track, on points instead of pixels.
 RAYLIGN_INLINE void accumulate_status(
-    const Warped& warped, const float* D, const Residuals& in, int n, Lanes& good, Lanes& usage) {
+    const Warped& warped, const Residuals& in, int n, Lanes& good, Lanes& usage) {
   alignas(32) float is_good[kStrip];
   alignas(32) float used[kStrip];
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const bool ok = in.ok[i] != 0;
     const float g2 = in.g_u[i] * in.g_u[i] + in.g_v[i] * in.g_v[i];
-    const float closer = warped.inverse_z[i] / D[i];  // NaN at D = 0: a point that keeps its size
-    is_good[i] = (ok & (in.r[i] * in.r[i] < kGoodConstant + kGoodGradient * g2)) ? 1.0F : 0.0F;
-    used[i] = ok ? (closer < 1.0F ? closer : 1.0F) : 0.0F;
+    const float closer = warped.inverse_q[i];  // Z_h / Z'
+    is_good[i] = in.r[i] * in.r[i] < kGoodConstant + kGoodGradient * g2 ? in.count[i] : 0.0F;
+    used[i] = in.ok[i] != 0 ? (closer < 1.0F ? closer : 1.0F) : 0.0F;
   }
   for (int i = 0; i < n; i += kLanes) {
     good += load(is_good + i);
@@ -112,49 +102,193 @@ RAYLIGN_INLINE void accumulate_status(
   }
 }
 
-// How many points agree, and how many would with the target taken at another point of the tile,
-// half the tile away and some: what a wrong pose scores.
-RAYLIGN_INLINE void accumulate_tile(const float* I,
-                                    const PassSettings& settings,
-                                    const float* sampled,
-                                    const Residuals& in,
-                                    int n,
-                                    TileSums& tile) {
-  const int shift = n / 2 + kPartnerShift;
+// Of `n` points and their partners; see TileSums.
+RAYLIGN_INLINE void count_pairs(const float* I,
+                                const PassSettings& settings,
+                                const float* sampled,
+                                const Residuals& in,
+                                int first,
+                                int partner,
+                                int n,
+                                TileSums& tile) {
+  const float gain = settings.gain;
+  const float b = settings.b;
   int pairs = 0;
   int agree = 0;
   int by_chance = 0;
   for (int i = 0; i < n; ++i) {
-    const int partner = (i + shift) % n;
-    if (in.ok[i] == 0 || in.ok[partner] == 0) continue;
-    const float limit = kAgreement * in.variance[i];
-    const float other = photometric_residual(I[i], sampled[4 * partner], settings.gain, settings.b);
-    ++pairs;
-    agree += in.r[i] * in.r[i] < limit ? 1 : 0;
-    by_chance += other * other < limit ? 1 : 0;
+    const int is_pair = in.ok[first + i] & in.ok[partner + i];
+    const float r = in.r[first + i];
+    const float other = photometric_residual(I[first + i], sampled[partner + i], gain, b);
+    const float precision = in.precision[first + i];
+    pairs += is_pair;
+    agree += r * r * precision < kAgreement ? is_pair : 0;
+    by_chance += other * other * precision < kAgreement ? is_pair : 0;
   }
-  tile.pairs += pairs;
-  tile.agree += agree;
-  tile.agree_by_chance += by_chance;
+  tile.pairs += static_cast<float>(pairs);
+  tile.agree += static_cast<float>(agree);
+  tile.agree_by_chance += static_cast<float>(by_chance);
+}
+
+// How many points [begin, end) of the strip, of one tile, agree, and how many would with the target
+// taken at another point of the tile, half the tile away and some: what a wrong pose scores.
+RAYLIGN_INLINE void accumulate_agreement(const float* I,
+                                         const PassSettings& settings,
+                                         const float* sampled,
+                                         const Residuals& in,
+                                         int begin,
+                                         int end,
+                                         TileSums& tile) {
+  const int n = end - begin;
+  const int shift = (n / 2 + kPartnerShift) % n;
+  for (int i = begin; i < end; ++i) tile.count += in.count[i];
+  count_pairs(I, settings, sampled, in, begin, begin + shift, n - shift, tile);
+  count_pairs(I, settings, sampled, in, end - shift, begin, shift, tile);
+}
+
+template <int Columns>
+RAYLIGN_INLINE void accumulate_gradient(const Residuals& in, int begin, int end, float* g) {
+  for (int k = 0; k < Columns; ++k) {
+    Lanes sum = {};
+    for (int i = begin; i < end; i += kLanes) sum += load(in.wr + i) * load(in.J[k] + i);
+    const Cell low = __builtin_shufflevector(sum, sum, 0, 1, 2, 3);
+    const Cell high = __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
+    const Cell four = low + high;
+    g[k] += (four[0] + four[2]) + (four[1] + four[3]);
+  }
 }
 
 RAYLIGN_INLINE void store(const float* from, int n, float* to) {
   for (int i = 0; i < n; ++i) to[i] = from[i];
 }
 
-// From residuals and σ² of a term to its weights; σ² goes to `variances`, too.
+// From residuals and 1/σ² of a term to its weights; 1/σ² goes to `precisions`, too.
 RAYLIGN_INLINE void weigh_term(const PassSettings& settings,
                                const float* reference,
                                float scale,
                                std::int64_t first,
                                int n,
-                               float* variances,
+                               float* precisions,
                                Residuals& residuals) {
   normalise_strip(reference == nullptr ? nullptr : reference + first, settings.freeze, scale, n,
                   residuals);
   loss_strip(*settings.loss, n, residuals);
   weigh_strip(scale, n, residuals);
-  store(residuals.variance, n, variances + first);
+  store(residuals.precision, n, precisions + first);
+}
+
+// Everything that a pass sums up, and the buffers of a strip.
+struct Pass {
+  Warped warped;
+  Sampled sampled;
+  Residuals residuals;
+  TermLanes photometric = {};
+  TermLanes depth = {};
+  Lanes good = {};
+  Lanes usage = {};
+};
+
+// The part of a tile that lies in a strip.
+struct Segment {
+  int tile;
+  int begin;
+  int end;
+  bool is_first;  // of the tile's parts
+};
+
+// Cuts the strip [first, first + n) at the tiles' borders; `tile` is the first that reaches into
+// it, and afterwards the first that reaches into the next.
+RAYLIGN_INLINE int cut_strip(
+    const Tile* tiles, int num_tiles, std::int64_t first, int n, int& tile, Segment* segments) {
+  int count = 0;
+  while (tile < num_tiles && tiles[tile].begin < first + n) {
+    const std::int64_t begin = tiles[tile].begin > first ? tiles[tile].begin : first;
+    const std::int64_t end = tiles[tile].end < first + n ? tiles[tile].end : first + n;
+    segments[count++] = {tile, static_cast<int>(begin - first), static_cast<int>(end - first),
+                         begin == tiles[tile].begin};
+    if (tiles[tile].end > first + n) break;
+    ++tile;
+  }
+  return count;
+}
+
+RAYLIGN_INLINE void photometric_tiles(const float* I,
+                                      const PassSettings& settings,
+                                      const Pass& pass,
+                                      const Segment* segments,
+                                      int num_segments,
+                                      TileSums* tiles) {
+  for (int k = 0; k < num_segments; ++k) {
+    const Segment& part = segments[k];
+    TileSums& out = tiles[part.tile];
+    if (part.is_first) out = TileSums{};
+    if (settings.with_brightness) {
+      accumulate_gradient<8>(pass.residuals, part.begin, part.end, out.g_photometric);
+    } else {
+      accumulate_gradient<6>(pass.residuals, part.begin, part.end, out.g_photometric);
+    }
+    accumulate_agreement(I, settings, pass.sampled.value, pass.residuals, part.begin, part.end,
+                         out);
+  }
+}
+
+RAYLIGN_INLINE void depth_tiles(const PassSettings& settings,
+                                const Residuals& residuals,
+                                const Segment* segments,
+                                int num_segments,
+                                TileSums* tiles) {
+  for (int k = 0; k < num_segments; ++k) {
+    const Segment& part = segments[k];
+    if (settings.with_scale) {
+      accumulate_gradient<7>(residuals, part.begin, part.end, tiles[part.tile].g_depth);
+    } else {
+      accumulate_gradient<6>(residuals, part.begin, part.end, tiles[part.tile].g_depth);
+    }
+  }
+}
+
+RAYLIGN_INLINE void accumulate_photometric(const PointArrays& points,
+                                           const TargetArrays& target,
+                                           const PassSettings& settings,
+                                           std::int64_t first,
+                                           int n,
+                                           const PrecisionArrays& precisions,
+                                           Pass& pass) {
+  Residuals& residuals = pass.residuals;
+  sample_strip<false>(&target.cells->value, target.width, pass.warped, n, pass.sampled);
+  photometric_strip(points, settings, pass.warped, pass.sampled, first, n, residuals);
+  weigh_term(settings, settings.reference_photometric, settings.photometric_scale, first, n,
+             precisions.photometric, residuals);
+  photometric_columns(pass.warped, n, residuals);
+  if (settings.with_brightness) {
+    brightness_columns(pass.sampled.value, settings.gain, n, residuals);
+    accumulate<8>(residuals, n, pass.photometric);
+  } else {
+    accumulate<6>(residuals, n, pass.photometric);
+  }
+  accumulate_costs(residuals, n, pass.photometric);
+  accumulate_status(pass.warped, residuals, n, pass.good, pass.usage);
+}
+
+RAYLIGN_INLINE void accumulate_depth(const PointArrays& points,
+                                     const TargetArrays& target,
+                                     const PassSettings& settings,
+                                     std::int64_t first,
+                                     int n,
+                                     const PrecisionArrays& precisions,
+                                     Pass& pass) {
+  Residuals& residuals = pass.residuals;
+  sample_strip<true>(&target.depth->D, target.width, pass.warped, n, pass.sampled);
+  depth_strip(points, settings, pass.warped, pass.sampled, first, n, residuals);
+  weigh_term(settings, settings.reference_depth, settings.depth_scale, first, n, precisions.depth,
+             residuals);
+  depth_columns(pass.warped, n, residuals);
+  if (settings.with_scale) {
+    accumulate<7>(residuals, n, pass.depth);
+  } else {
+    accumulate<6>(residuals, n, pass.depth);
+  }
+  accumulate_costs(residuals, n, pass.depth);
 }
 
 }  // namespace
@@ -162,59 +296,35 @@ RAYLIGN_INLINE void weigh_term(const PassSettings& settings,
 RAYLIGN_CLONES void evaluate(const PointArrays& points,
                              const TargetArrays& target,
                              const PassSettings& settings,
-                             std::int64_t begin,
-                             std::int64_t end,
-                             const VarianceArrays& variances,
+                             const Tile* tiles,
+                             int num_tiles,
+                             const PrecisionArrays& precisions,
                              PassSums& sums,
-                             TileSums* tile) {
-  Warped warped;
-  warped.pose = settings.pose;
-  Residuals residuals;
-  TermLanes photometric = {};
-  TermLanes depth = {};
-  Lanes good = {};
-  Lanes usage = {};
-  alignas(32) float sampled[4 * kStrip];
-  for (std::int64_t first = begin; first < end; first += kStrip) {
+                             TileSums* tile_sums) {
+  Pass pass;
+  pass.warped.pose = settings.pose;
+  Segment segments[kStrip / kLanes];
+  int num_segments = 0;
+  int tile = 0;
+  const std::int64_t end = tiles[num_tiles - 1].end;
+  for (std::int64_t first = tiles[0].begin; first < end; first += kStrip) {
     const int n = static_cast<int>(end - first < kStrip ? end - first : kStrip);
-    warp_strip(points, target, first, n, warped);
-    sample_strip(&target.cells->value, target.width, warped, n, sampled);
-    photometric_strip(points, settings, warped, sampled, first, n, residuals);
-    weigh_term(settings, settings.reference_photometric, settings.photometric_scale, first, n,
-               variances.photometric, residuals);
-    photometric_columns(warped, n, residuals);
-    if (settings.with_brightness) {
-      brightness_columns(sampled, settings.gain, n, residuals);
-      accumulate<8>(residuals, n, photometric);
-    } else {
-      accumulate<6>(residuals, n, photometric);
-    }
-    accumulate_costs(residuals, n, photometric);
-    accumulate_status(warped, points.D + first, residuals, n, good, usage);
-    if (tile != nullptr) {
-      accumulate_tile(points.I + first, settings, sampled, residuals, n, *tile);
+    warp_strip(points, target, first, n, pass.warped);
+    accumulate_photometric(points, target, settings, first, n, precisions, pass);
+    if (tile_sums != nullptr) {
+      num_segments = cut_strip(tiles, num_tiles, first, n, tile, segments);
+      photometric_tiles(points.I + first, settings, pass, segments, num_segments, tile_sums);
     }
     if (target.depth == nullptr) continue;
-    sample_strip(&target.depth->D, target.width, warped, n, sampled);
-    depth_strip(points, target, settings, warped, sampled, first, n, residuals);
-    weigh_term(settings, settings.reference_depth, settings.depth_scale, first, n, variances.depth,
-               residuals);
-    depth_columns(warped, n, residuals);
-    if (settings.with_scale) {
-      accumulate<7>(residuals, n, depth);
-    } else {
-      accumulate<6>(residuals, n, depth);
+    accumulate_depth(points, target, settings, first, n, precisions, pass);
+    if (tile_sums != nullptr) {
+      depth_tiles(settings, pass.residuals, segments, num_segments, tile_sums);
     }
-    accumulate_costs(residuals, n, depth);
   }
-  flush(photometric, settings.with_brightness ? 8 : 6, sums.photometric);
-  flush(depth, settings.with_scale ? 7 : 6, sums.depth);
-  sums.good += sum_lanes(good);
-  sums.usage += sum_lanes(usage);
-  if (tile == nullptr) return;
-  tile->count += sum_lanes(photometric.count);
-  for (int k = 0; k < kMaxColumns; ++k) tile->g_photometric[k] += sum_lanes(photometric.g[k]);
-  for (int k = 0; k < kMaxColumns; ++k) tile->g_depth[k] += sum_lanes(depth.g[k]);
+  flush(pass.photometric, settings.with_brightness ? 8 : 6, sums.photometric);
+  flush(pass.depth, settings.with_scale ? 7 : 6, sums.depth);
+  sums.good += sum_lanes(pass.good);
+  sums.usage += sum_lanes(pass.usage);
 }
 
 }  // namespace raylign::tracking

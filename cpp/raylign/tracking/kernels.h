@@ -49,8 +49,8 @@ struct TargetArrays {
   int height;
 };
 
-/// σ² per point at which a cost is taken; < 0: the point had no residual there.
-struct VarianceArrays {
+/// 1/σ² per point at which a cost is taken; 0: the point had no residual there.
+struct PrecisionArrays {
   float* photometric;
   float* depth;
 };
@@ -73,7 +73,7 @@ struct PassSettings {
   const Loss* loss;
   float photometric_scale;  ///< residuals are normalised by scale · σ
   float depth_scale;
-  const float* reference_photometric;  ///< σ² of the state that a trial is compared with, or null
+  const float* reference_photometric;  ///< 1/σ² of the state that a trial is compared with, or null
   const float* reference_depth;
 };
 
@@ -95,26 +95,33 @@ struct PassSums {
   double usage = 0.0;  ///< Σ min(1, Z_h / Z')
 };
 
+/// Points of a tile are [begin, end) of the arrays; the last `end − begin − count` are padding.
+struct Tile {
+  std::int64_t begin;
+  std::int64_t end;
+  int count;
+};
+
 /// What a tile says about the fit; for the block-wise covariance and the status.
 struct TileSums {
-  double g_photometric[kMaxColumns];
-  double g_depth[kMaxColumns];
-  double count;
+  float g_photometric[kMaxColumns];
+  float g_depth[kMaxColumns];
+  float count;
   /// Of points whose partner, another point of the tile, has a residual, too: how many there are,
   /// how many agree (r² < 9 σ_r²), and how many would agree with the target at their partner's
   /// place.
-  double pairs, agree, agree_by_chance;
+  float pairs, agree, agree_by_chance;
 };
 
-/// Points [begin, end) of one or more tiles: adds to `sums`, writes σ² of this pose to `variances`.
-/// With `tile` the points are those of one tile.
+/// The points of tiles that follow one another: adds to `sums`, writes 1/σ² of this pose to
+/// `precisions` and, where `tile_sums` is not null, what each tile says.
 void evaluate(const PointArrays& points,
               const TargetArrays& target,
               const PassSettings& settings,
-              std::int64_t begin,
-              std::int64_t end,
-              const VarianceArrays& variances,
+              const Tile* tiles,
+              int num_tiles,
+              const PrecisionArrays& precisions,
               PassSums& sums,
-              TileSums* tile);
+              TileSums* tile_sums);
 
 }  // namespace raylign::tracking

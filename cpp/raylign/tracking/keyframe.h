@@ -16,12 +16,7 @@ namespace raylign {
 /// The points of a keyframe on one level, Ω_D, tile by tile.
 class PointList {
  public:
-  /// Points of a tile are [begin, end) of the arrays; the last `end − begin − count` are padding.
-  struct Tile {
-    std::int64_t begin;
-    std::int64_t end;
-    int count;
-  };
+  using Tile = tracking::Tile;
 
   PointList(const Frame& frame, int level, const KeyframeOptions& options);
 

@@ -41,8 +41,10 @@ NormalEquations depth_equations(const TermSums& sums, bool with_scale) {
 
 Vector9 tile_gradient(const TileSums& tile, double depth_weight, bool with_scale) {
   Vector9 g = Vector9::Zero();
-  for (int k = 0; k < 8; ++k) g[kPhotometricColumns[k]] = tile.g_photometric[k];
-  for (int k = 0; k < (with_scale ? 7 : 6); ++k) g[k] += depth_weight * tile.g_depth[k];
+  for (int k = 0; k < 8; ++k)
+    g[kPhotometricColumns[k]] = static_cast<double>(tile.g_photometric[k]);
+  for (int k = 0; k < (with_scale ? 7 : 6); ++k)
+    g[k] += depth_weight * static_cast<double>(tile.g_depth[k]);
   return g;
 }
 

@@ -42,9 +42,10 @@ PointPass::PointPass(const Keyframe& keyframe,
   const auto size = static_cast<std::size_t>(points_.padded_size());
   const bool with_depth = options.depth.enabled && target.has_depth();
   if (with_depth) target_.depth = target.depth_cells(level).data();
-  for (VarianceBuffers& buffers : workspace_.variances) {
+  for (PassBuffers& buffers : workspace_.buffers) {
     buffers.photometric.resize(size);
     buffers.depth.resize(with_depth ? size : 0);
+    buffers.tiles.resize(points_.tiles().size());
   }
   make_chunks();
 }
@@ -100,47 +101,25 @@ PassSettings PointPass::settings(const PoseState& state, const TermScales& scale
 
 PassSums PointPass::run(const PoseState& state,
                         const TermScales& scales,
-                        const VarianceBuffers* reference,
-                        VarianceBuffers& out) {
-  return run(state, scales, reference, out, nullptr);
-}
-
-PassSums PointPass::run_tiles(const PoseState& state,
-                              const TermScales& scales,
-                              const VarianceBuffers* reference,
-                              VarianceBuffers& out,
-                              std::vector<TileSums>& tiles) {
-  tiles.assign(points_.tiles().size(), TileSums{});
-  return run(state, scales, reference, out, tiles.data());
-}
-
-PassSums PointPass::run(const PoseState& state,
-                        const TermScales& scales,
-                        const VarianceBuffers* reference,
-                        VarianceBuffers& out,
-                        TileSums* tile_sums) {
+                        const PassBuffers* reference,
+                        PassBuffers& out,
+                        bool with_tiles) {
   PassSettings s = settings(state, scales);
   if (reference != nullptr) {
     s.reference_photometric = reference->photometric.data();
     s.reference_depth = has_depth_term() ? reference->depth.data() : nullptr;
   }
   const PointArrays arrays = points_.arrays();
-  const VarianceArrays variances = {out.photometric.data(), out.depth.data()};
+  const PrecisionArrays precisions = {out.photometric.data(), out.depth.data()};
   const std::vector<PointList::Tile>& tiles = points_.tiles();
   std::vector<PassSums>& sums = workspace_.chunk_sums;
   sums.assign(chunks_.size(), PassSums{});
   pool_.run(static_cast<int>(chunks_.size()), [&](int i) {
-    const Chunk& chunk = chunks_[static_cast<std::size_t>(i)];
-    PassSums& chunk_sums = sums[static_cast<std::size_t>(i)];
-    if (tile_sums == nullptr) {
-      evaluate(arrays, target_, s, tiles[chunk.begin].begin, tiles[chunk.end - 1].end, variances,
-               chunk_sums, nullptr);
-      return;
-    }
-    for (std::size_t t = chunk.begin; t < chunk.end; ++t) {
-      evaluate(arrays, target_, s, tiles[t].begin, tiles[t].end, variances, chunk_sums,
-               tile_sums + t);
-    }
+    const auto k = static_cast<std::size_t>(i);
+    const Chunk& chunk = chunks_[k];
+    evaluate(arrays, target_, s, tiles.data() + chunk.begin,
+             static_cast<int>(chunk.end - chunk.begin), precisions, sums[k],
+             with_tiles ? out.tiles.data() + chunk.begin : nullptr);
   });
   PassSums total;
   for (const PassSums& chunk : sums) {

@@ -27,15 +27,17 @@ struct TermScales {
   double depth_weight = 1.0;
 };
 
-/// σ² per point of both terms, padded as the points are.
-struct VarianceBuffers {
+/// What a pass leaves beside its sums: 1/σ² per point of both terms, padded as the points are, and
+/// where it was asked for a row of sums per tile.
+struct PassBuffers {
   std::vector<float> photometric;
   std::vector<float> depth;
+  std::vector<TileSums> tiles;
 };
 
 /// Memory of a pass; kept between levels and frames.
 struct Workspace {
-  VarianceBuffers variances[2];
+  PassBuffers buffers[2];
   std::vector<PassSums> chunk_sums;
 };
 
@@ -50,17 +52,13 @@ class PointPass {
             ThreadPool& pool,
             Workspace& workspace);
 
-  /// σ² goes to `out`; with `reference` the sums hold the cost at those σ², too.
+  /// 1/σ² and, `with_tiles`, the tiles' sums go to `out`; with `reference` the sums hold the cost
+  /// at its σ², too.
   PassSums run(const PoseState& state,
                const TermScales& scales,
-               const VarianceBuffers* reference,
-               VarianceBuffers& out);
-  /// As run, and one row of sums per tile.
-  PassSums run_tiles(const PoseState& state,
-                     const TermScales& scales,
-                     const VarianceBuffers* reference,
-                     VarianceBuffers& out,
-                     std::vector<TileSums>& tiles);
+               const PassBuffers* reference,
+               PassBuffers& out,
+               bool with_tiles = false);
 
   int level() const { return level_; }
   int num_points() const { return points_.num_points(); }
@@ -77,11 +75,6 @@ class PointPass {
   };
 
   void make_chunks();
-  PassSums run(const PoseState& state,
-               const TermScales& scales,
-               const VarianceBuffers* reference,
-               VarianceBuffers& out,
-               TileSums* tiles);
 
   const PointList& points_;
   TargetArrays target_;

@@ -94,7 +94,7 @@ TEST_P(KernelTest, AgreesWithItsScalarTwin) {
     tracking::PointPass pass(keyframe, *target, level, options, pool, workspace);
     tracking::PoseState state = {se3_exp(Vector6(0.7 * small_motion())), 0.1, -3.0};
     if (options.affine.mode == AffineMode::NONE) state.a = state.b = 0.0;
-    const PassSums sums = pass.run(state, {}, nullptr, workspace.variances[0]);
+    const PassSums sums = pass.run(state, {}, nullptr, workspace.buffers[0]);
     const PassSums expected = Twin{keyframe, *target, pass.settings(state, {})}.run(level);
     EXPECT_GT(sums.photometric.count, 500.0);
     expect_near(sums.photometric, expected.photometric);
@@ -135,7 +135,7 @@ TEST(Kernel, NothingThatIsNotFiniteGetsIntoTheSums) {
   for (const double angle : {0.0, 0.3, 1.6, 3.1}) {
     Vector6 xi;
     xi << 0.0, 0.0, -1.9, 0.0, angle, 0.0;
-    const PassSums sums = pass.run({se3_exp(xi), 0.0, 0.0}, {}, nullptr, workspace.variances[0]);
+    const PassSums sums = pass.run({se3_exp(xi), 0.0, 0.0}, {}, nullptr, workspace.buffers[0]);
     for (const double value : sums.photometric.H) EXPECT_TRUE(std::isfinite(value));
     for (const double value : sums.depth.g) EXPECT_TRUE(std::isfinite(value));
     EXPECT_TRUE(std::isfinite(sums.photometric.rho + sums.depth.rho + sums.usage + sums.good));
