@@ -70,14 +70,3 @@ def test_bound_scales_with_the_noise_and_grows_with_what_is_unknown():
     with_brightness = photometric_bound.bound(TRUTH, 2.0, brightness=True).centre_rms
     assert known < plain < with_brightness < 1.5 * known
     assert photometric_bound.bound(TRUTH, 4.0).centre_rms == pytest.approx(2.0 * plain)
-
-
-def test_no_two_points_read_the_same_pixels():
-    """The bound takes the noise of all patches for independent."""
-    truth = scenes.make(scenes.Path.SMALL)
-    uv, _ = scenes.project(truth.T_cw, truth.points)
-    for j in range(scenes.NUM_CAMERAS):
-        seen = uv[truth.seen[:, j], j]
-        apart = np.abs(seen[:, None] - seen[None]).max(axis=-1)
-        np.fill_diagonal(apart, np.inf)
-        assert np.mean(apart.min(axis=1) < 4.0) < 0.01

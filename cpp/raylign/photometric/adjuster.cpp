@@ -2,35 +2,165 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/photometric/adjuster.h"
 
+#include <algorithm>
+
+#include "raylign/base/stopwatch.h"
 #include "raylign/camera/camera_model.h"
+#include "raylign/photometric/acceptance.h"
+#include "raylign/photometric/brightness_start.h"
+#include "raylign/photometric/constraints.h"
+#include "raylign/photometric/levels.h"
+#include "raylign/photometric/refinement.h"
+#include "raylign/photometric/report.h"
+#include "raylign/photometric/start_check.h"
 
 namespace raylign {
 namespace {
 
-// The start as a result.
-PhotometricResult unchanged(const PhotometricProblem& problem) {
-  PhotometricResult result;
-  result.T_cw = problem.T_cw;
-  result.points = problem.points;
-  result.intrinsics = problem.intrinsics;
-  result.brightness = problem.brightness;
-  if (result.brightness.rows() == 0) result.brightness.setZero(problem.num_images(), 2);
-  return result;
+using namespace photometric;  // NOLINT(google-build-using-namespace): this file is its front door
+
+Setting make_setting(const PhotometricProblem& problem,
+                     const PhotometricOptions& options,
+                     ThreadPool& pool,
+                     const PhotometricState& start) {
+  Setting setting{problem, options, pool, prepare_images(problem, options), {}, {}};
+  setting.hosts = choose_hosts(problem, options, setting.prepared, start);
+  setting.candidates = list_candidates(problem, options, setting.hosts);
+  return setting;
 }
+
+void check_combination(const PhotometricProblem& problem, const PhotometricOptions& options) {
+  if (options.presmooth > 0.0 && problem.has_patches()) {
+    throw OptionsError("PhotometricOptions.presmooth must be 0 with stored patches, got " +
+                       format_double(options.presmooth));
+  }
+  if (options.point_parametrization != PointParametrization::INVERSE_DEPTH) return;
+  const bool hosted =
+      problem.hosts.rows() > 0 ? problem.hosts.minCoeff() >= 0 : !problem.has_patches();
+  if (!hosted) {
+    throw OptionsError(
+        "PhotometricOptions.point_parametrization INVERSE_DEPTH needs a host for every point");
+  }
+}
+
+bool moves_cameras(const PatchConstraints& constraints) {
+  return !std::all_of(constraints.poses.begin(), constraints.poses.end(),
+                      [](const PoseMask& mask) { return mask.all(); });
+}
+
+// Every options.hold_out-th point, when that leaves enough on both sides and there is something
+// that it can judge.
+std::vector<bool> choose_held_out(const Setting& setting, const PatchConstraints& constraints) {
+  constexpr std::int64_t kMinPoints = 50;
+  const std::int64_t N = setting.num_points();
+  const int every = setting.options.hold_out;
+  std::vector<bool> held_out(N, false);
+  if (every == 0 || N < kMinPoints || !moves_cameras(constraints)) return held_out;
+  for (std::int64_t p = every - 1; p < N; p += every) held_out[p] = !constraints.points[p];
+  return held_out;
+}
+
+class Adjustment {
+ public:
+  Adjustment(const PhotometricProblem& problem,
+             const BundleConfig& config,
+             const PhotometricOptions& options,
+             Progress& progress)
+      : options_(options),
+        progress_(progress),
+        pool_(options.lm.num_threads),
+        start_(start_state(problem)),
+        setting_(make_setting(problem, options, pool_, start_)) {
+    result_.messages = check_start(setting_, start_);
+    base_ = base_constraints(setting_, start_, config);
+    result_.gauge = describe_gauge(setting_, config);
+    plan_ = plan_levels(setting_, start_);
+    result_.messages.insert(result_.messages.end(), plan_.messages.begin(), plan_.messages.end());
+  }
+
+  PhotometricResult run() {
+    given_ = start_;
+    if (setting_.problem.brightness.rows() == 0) {
+      start_.brightness = estimate_brightness(setting_, start_, plan_.num_levels - 1);
+    }
+    Refinement refinement(setting_, base_, start_);
+    PhotometricState state = start_;
+    const std::vector<bool> held_out = choose_held_out(setting_, base_);
+    std::vector<bool> active = held_out;
+    active.flip();
+    Refinement::Plan plan;
+    plan.num_levels = plan_.num_levels;
+    plan.max_num_rounds = options_.max_num_rounds;
+    refinement.run(plan, active, &progress_, state);
+    accept(refinement.law(), held_out, state);
+    if (returns_refined() && active != std::vector<bool>(active.size(), true)) {
+      finish_with_all_points(refinement, state);
+    }
+    return report(refinement, state);
+  }
+
+ private:
+  bool returns_refined() const { return result_.accepted || options_.force; }
+
+  void accept(const RoundLaw& law, const std::vector<bool>& held_out, PhotometricState& state) {
+    const Verdict verdict =
+        judge_refinement(setting_, base_, law, plan_.num_levels, held_out, start_, state);
+    result_.accepted = verdict.accepted;
+    result_.reason = verdict.reason;
+    result_.num_hold_out = std::count(held_out.begin(), held_out.end(), true);
+    result_.hold_out_cost_before = verdict.costs.before;
+    result_.hold_out_cost_after = verdict.costs.after;
+  }
+
+  // The points that were held out have done their work: once more, on the finest level, with them.
+  void finish_with_all_points(Refinement& refinement, PhotometricState& state) {
+    if (progress_.is_over()) return;
+    Refinement::Plan plan;
+    plan.max_num_rounds = options_.max_num_rounds;
+    refinement.run(plan, std::vector<bool>(setting_.num_points(), true), &progress_, state);
+  }
+
+  PhotometricResult report(const Refinement& refinement, const PhotometricState& refined) {
+    const PhotometricState& state = returns_refined() ? refined : given_;
+    store(state, given_, setting_.problem, result_);
+    const Views before = find_views(setting_, start_, 0);
+    const Views after = returns_refined() ? find_views(setting_, refined, 0) : before;
+    report_views(setting_, before, after, base_.points, result_);
+    result_.rounds = refinement.rounds();
+    result_.summary = progress_.summary();
+    result_.sigma = refinement.law().noise.sigma;
+    result_.threshold = refinement.law().loss.scale;
+    if (refinement.law().loss.type == LossType::STUDENT_T) {
+      result_.nu = refinement.law().loss.degrees_of_freedom;
+    }
+    return std::move(result_);
+  }
+
+  const PhotometricOptions& options_;
+  Progress& progress_;
+  ThreadPool pool_;
+  PhotometricState start_;  // with the brightness that the solve starts from
+  PhotometricState given_;  // as the problem has it
+  Setting setting_;
+  PatchConstraints base_;
+  LevelPlan plan_;
+  PhotometricResult result_;
+};
 
 }  // namespace
 
 PhotometricResult adjust(const PhotometricProblem& problem,
                          const BundleConfig& config,
                          const PhotometricOptions& options,
-                         const IterationCallback& /*callback*/,
-                         const InterruptCheck& /*interrupted*/) {
+                         const IterationCallback& callback,
+                         const InterruptCheck& interrupted) {
+  const Stopwatch clock;
   options.validate();
   problem.validate(options.pattern.size());
   config.validate(problem.num_images(), problem.num_points(), param_names(CameraModel::PINHOLE));
-  PhotometricResult result = unchanged(problem);
-  result.summary = nothing_to_adjust(to_string(options.backend));
-  return result;
+  check_combination(problem, options);
+  Progress progress(options, clock, callback, interrupted);
+  return Adjustment(problem, config, options, progress).run();
 }
 
 }  // namespace raylign

@@ -33,7 +33,7 @@ void NoiseOptions::validate() const {
   }
   require_not_negative("NoiseOptions.scale", scale);
   require_not_negative("NoiseOptions.nu", nu);
-  require_positive("NoiseOptions.min_sigma", min_sigma);
+  require_not_negative("NoiseOptions.sensor_sigma", sensor_sigma);
 }
 
 void VisibilityOptions::validate() const {

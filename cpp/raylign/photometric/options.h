@@ -32,7 +32,7 @@ enum class BrightnessModel {
 enum class VisibilityRule {
   AUTO,    ///< candidates that pass the tests of VisibilityOptions, again in every round
   TRACKS,  ///< the problem's tracks, as far as they are inside the image
-  ALL,     ///< every candidate that is inside the image
+  ALL,     ///< every candidate, whether in view at the start or not
 };
 
 /// Which covariances a result has.
@@ -57,8 +57,8 @@ struct NoiseOptions {
   /// 0: estimated from the residuals, once per round. Else fixed, grey levels: the loss' own scale,
   /// σ for STUDENT_T and TRIVIAL, the threshold for HUBER and CAUCHY.
   double scale = 0.0;
-  double nu = 0.0;         ///< degrees of freedom of STUDENT_T; 0: fitted
-  double min_sigma = 0.5;  ///< floor of the estimated σ, grey levels, > 0
+  double nu = 0.0;            ///< degrees of freedom of STUDENT_T; 0: fitted
+  double sensor_sigma = 0.0;  ///< σ of a pixel, grey levels: no estimate is smaller; >= 0
 
   void validate() const;
 };
@@ -72,7 +72,7 @@ struct VisibilityOptions {
   double min_zncc = 0.5;          ///< … correlated at least so with what the image shows; [-1, 1]
   double min_grey = 3.0;          ///< pixels outside [min_grey, max_grey] do not count
   double max_grey = 250.0;
-  double min_texture = 1.0;  ///< grey levels per px: least RMS gradient of a patch, >= 0
+  double min_texture = 2.0;  ///< least standard deviation of a patch's grey values, >= 0
   int min_views = 2;         ///< views of a point, its host included, >= 1
 
   void validate() const;

@@ -141,10 +141,6 @@ bool has_row(const Table& table) {
 
 }  // namespace
 
-bool PhotometricProblem::has_priors() const {
-  return has_row(pose_covariances) || has_row(point_covariances) || has_row(depth_sigmas);
-}
-
 Matrix4 PhotometricProblem::pose(std::int64_t i) const {
   return Eigen::Map<const RowMajor<4, 4>>(T_cw.row(i).data());
 }
@@ -158,6 +154,11 @@ void PhotometricProblem::validate(int pattern_size) const {
   check_sources(*this, pattern_size);
   check_tracks(*this);
   check_priors(*this);
+}
+
+Gauge default_gauge(const PhotometricProblem& problem) {
+  if (has_row(problem.pose_covariances) || has_row(problem.point_covariances)) return Gauge::FREE;
+  return has_row(problem.depth_sigmas) ? Gauge::FIRST_CAMERA : Gauge::TWO_CAMERAS;
 }
 
 }  // namespace raylign

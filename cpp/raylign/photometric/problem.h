@@ -9,6 +9,7 @@
 #include "raylign/base/eigen.h"
 #include "raylign/image/plane.h"
 #include "raylign/image/pyramid.h"
+#include "raylign/solver/bundle_config.h"
 
 namespace raylign {
 
@@ -49,7 +50,6 @@ struct PhotometricProblem {
   std::int64_t num_images() const { return T_cw.rows(); }
   std::int64_t num_points() const { return points.rows(); }
   bool has_patches() const { return patches.rows() > 0; }
-  bool has_priors() const;
   Matrix4 pose(std::int64_t i) const;
   std::int64_t intrinsics_row(std::int64_t image) const {
     return intrinsics.rows() == 1 ? 0 : image;
@@ -61,5 +61,9 @@ struct PhotometricProblem {
   /// @param pattern_size  pixels of a patch
   void validate(int pattern_size) const;
 };
+
+/// The gauge for a problem whose cameras may all move: FREE where priors of poses or points anchor
+/// it, FIRST_CAMERA where priors of depth give the scale, else TWO_CAMERAS.
+Gauge default_gauge(const PhotometricProblem& problem);
 
 }  // namespace raylign

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: 2026 The raylign authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raylign/photometric/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raylign/photometric/constraints.h"
+#include "raylign/photometric/engine.h"
+
+namespace raylign::photometric {
+namespace {
+
+constexpr int kRoundsWithNewLaw = 2;      // then the law stays, so that the cost of a level is one
+constexpr double kSettledMotion = 0.005;  // px of the level, median over the edges
+constexpr double kShortestSolve = 1e-3;   // s
+
+// Lengths that the projections of the edges have moved by, px of level 0.
+std::vector<double> motions(const PatchScene& before, const PatchScene& after) {
+  std::vector<double> lengths;
+  for (std::int64_t p = 0; p < before.num_points(); ++p) {
+    for (std::int64_t e = before.starts[p]; e < before.starts[p + 1]; ++e) {
+      const EdgeSample a = evaluate_edge(before, p, before.edges[e]);
+      const EdgeSample b = evaluate_edge(after, p, after.edges[e]);
+      if (a.is_seen && b.is_seen) lengths.push_back((a.uv - b.uv).norm());
+    }
+  }
+  return lengths;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::int64_t num_points_with_edges(const PatchScene& scene) {
+  std::int64_t count = 0;
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    if (scene.starts[p] != scene.starts[p + 1]) ++count;
+  }
+  return count;
+}
+
+PhotometricRound describe(int level,
+                          const PatchScene& scene,
+                          const RoundLaw& law,
+                          const Summary& summary) {
+  PhotometricRound round;
+  round.level = level;
+  round.num_points = static_cast<int>(num_points_with_edges(scene));
+  round.num_edges = static_cast<int>(scene.num_edges());
+  round.sigma = law.noise.sigma;
+  round.nu = law.loss.type == LossType::STUDENT_T ? law.loss.degrees_of_freedom : -1.0;
+  round.initial_cost = summary.initial_cost;
+  round.final_cost = summary.final_cost;
+  round.num_iterations = summary.num_accepted + summary.num_rejected;
+  return round;
+}
+
+}  // namespace
+
+RoundLaw estimate_law(const Setting& setting, const Views& views, const std::vector<bool>& active) {
+  const NoiseOptions& options = setting.options.noise;
+  NoiseLawOptions fit;
+  fit.sensor_sigma = options.sensor_sigma;
+  fit.nu = options.nu;
+  RoundLaw law;
+  law.noise = fit_noise_law(residuals_of(setting, views, active), fit);
+  law.loss = noise_loss(law.noise, options.loss, options.scope, setting.options.pattern.size());
+  if (options.scale > 0.0) law.loss.scale = options.scale;
+  law.unit = cost_unit(law.loss, law.noise.sigma);
+  return law;
+}
+
+double Progress::seconds_left() const {
+  return std::max(options_.lm.max_solver_time_s - clock_.seconds(), kShortestSolve);
+}
+
+Summary Progress::solve(PatchScene& scene,
+                        const PatchConstraints& constraints,
+                        PatchSolveOptions options) {
+  options.lm.max_solver_time_s = seconds_left();
+  const bool is_first = summary_.iterations.empty();
+  const int offset = is_first ? 0 : summary_.iterations.back().iteration;
+  const double begun_s = clock_.seconds();
+  const auto forward = [&](const IterationSummary& row) {
+    if (!callback_ || (row.iteration == 0 && !is_first)) return CallbackAction::CONTINUE;
+    IterationSummary numbered = row;
+    numbered.iteration += offset;
+    numbered.cumulative_time_s += begun_s;
+    return callback_(numbered);
+  };
+  const Summary part =
+      solve_scene(scene, constraints, options, options_.backend, forward, interrupted_);
+  append(part);
+  is_over_ =
+      part.termination == Termination::USER_STOPPED || part.termination == Termination::TIME_LIMIT;
+  return part;
+}
+
+void Progress::append(const Summary& part) {
+  std::vector<IterationSummary> rows = std::move(summary_.iterations);
+  const int offset = rows.empty() ? 0 : rows.back().iteration;
+  const double begun_s = rows.empty() ? 0.0 : rows.back().cumulative_time_s;
+  Summary total = part;
+  total.residual_time_s += summary_.residual_time_s;
+  total.jacobian_time_s += summary_.jacobian_time_s;
+  total.linear_solver_time_s += summary_.linear_solver_time_s;
+  for (IterationSummary row : part.iterations) {
+    if (row.iteration == 0 && !rows.empty()) continue;
+    row.iteration += offset;
+    row.cumulative_time_s += begun_s;
+    rows.push_back(row);
+  }
+  total.iterations = std::move(rows);
+  total.count_steps();
+  total.total_time_s = clock_.seconds();
+  summary_ = std::move(total);
+}
+
+PatchSolveOptions Refinement::solve_options() const {
+  const PhotometricOptions& options = setting_.options;
+  PatchSolveOptions solve;
+  solve.loss = law_.loss;
+  solve.scope = options.noise.scope;
+  solve.leaving = options.leaving;
+  solve.max_leaving_share = options.max_leaving_share;
+  solve.lm = options.lm;
+  return solve;
+}
+
+void Refinement::run(const Plan& plan,
+                     const std::vector<bool>& active,
+                     Progress* progress,
+                     PhotometricState& state) {
+  if (plan.law != nullptr) law_ = *plan.law;
+  for (int level = plan.num_levels - 1; level >= 0; --level) {
+    for (int round = 0; round < plan.max_num_rounds; ++round) {
+      const bool estimate = plan.law == nullptr && round < kRoundsWithNewLaw;
+      const double motion = run_round(level, active, estimate, progress, state);
+      rounds_.back().round = round;
+      if (progress != nullptr && progress->is_over()) return;
+      if (motion < std::ldexp(kSettledMotion, level)) break;
+    }
+  }
+}
+
+double Refinement::run_round(int level,
+                             const std::vector<bool>& active,
+                             bool estimate,
+                             Progress* progress,
+                             PhotometricState& state) {
+  const Views views = find_views(setting_, state, level);
+  if (estimate) law_ = estimate_law(setting_, views, active);
+  PatchScene scene = used_scene(views, active);
+  PatchConstraints constraints = base_;
+  hold_unused(scene, base_.points, constraints);
+  set_priors(setting_, start_, law_.unit, constraints);
+  PatchSolveOptions options = solve_options();
+  if (setting_.options.additive_damping) {
+    options.lm.jacobi_scaling = false;
+    options.lm.min_diagonal = options.lm.max_diagonal = 1.0;
+    options.lm.initial_lambda *= max_hessian_diagonal(scene, constraints, options);
+  }
+  const PatchScene before = scene;
+  const Summary summary =
+      progress != nullptr
+          ? progress->solve(scene, constraints, options)
+          : solve_scene(scene, constraints, options, setting_.options.backend, nullptr, nullptr);
+  adopt(scene, constraints, state);
+  rounds_.push_back(describe(level, scene, law_, summary));
+  const std::vector<double> lengths = motions(before, scene);
+  rounds_.back().max_motion_px =
+      lengths.empty() ? 0.0 : *std::max_element(lengths.begin(), lengths.end());
+  return median(lengths);
+}
+
+void Refinement::adopt(const PatchScene& scene,
+                       const PatchConstraints& held,
+                       PhotometricState& state) const {
+  const PhotometricState old = state;
+  state.poses = scene.poses;
+  state.brightness = scene.brightness;
+  state.intrinsics = scene.intrinsics;
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    if (base_.points[p]) continue;
+    const std::int32_t host = scene.hosts[p];
+    if (host >= 0 && !same_pose(old.poses[host], state.poses[host])) {
+      const Vector3 q = old.in_camera(host, old.points.row(p));
+      state.points.row(p) =
+          (state.poses[host].q.conjugate() * (q - state.poses[host].t)).transpose();
+    }
+    if (held.points[p]) continue;
+    const Vector3 X = world_point(scene, p);
+    const bool is_sane = X.allFinite() && (host < 0 || state.in_camera(host, X).z() > 0.0);
+    if (is_sane) state.points.row(p) = X.transpose();
+  }
+}
+
+}  // namespace raylign::photometric
