@@ -34,7 +34,7 @@ void check_dense_matrices(LinearSolverType type, double rows, double columns) {
 }  // namespace
 
 LinearSolverChoice choose_linear_solver(LinearSolverType requested,
-                                        const BundleScene& scene,
+                                        std::int64_t num_cameras,
                                         bool has_free_point) {
   if (requested != LinearSolverType::AUTO) return {requested, "requested"};
   if (!has_free_point) {
@@ -42,7 +42,6 @@ LinearSolverChoice choose_linear_solver(LinearSolverType requested,
             "auto: no free point to eliminate, so the cameras' JᵀJ "
             "is factored sparsely"};
   }
-  const std::int64_t num_cameras = scene.num_cameras();
   const std::string count = std::to_string(num_cameras) + " cameras";
   if (num_cameras <= kMaxCamerasDense) {
     return {LinearSolverType::DENSE_SCHUR, "auto: " + count +

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "raylign/scene/bundle_scene.h"
@@ -16,7 +17,7 @@ struct LinearSolverChoice {
 
 /// What AUTO means for this problem; anything else is taken as it is.
 LinearSolverChoice choose_linear_solver(LinearSolverType requested,
-                                        const BundleScene& scene,
+                                        std::int64_t num_cameras,
                                         bool has_free_point);
 
 /// Throws OptionsError for a preconditioner that Ceres does not have, alone or on an explicit S.

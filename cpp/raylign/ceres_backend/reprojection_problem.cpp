@@ -15,25 +15,6 @@
 namespace raylign::ceres_backend {
 namespace {
 
-ceres::Problem::Options problem_options() {
-  ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;  // they sit in deques here
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::TAKE_OWNERSHIP;  // Ceres frees a shared manifold once
-  options.disable_all_safety_checks = true;  // the arrays are validated, the blocks are ours
-  return options;
-}
-
-// Of the first `size` coordinates; a mask may be longer than its block.
-template <std::size_t N>
-std::vector<int> held_offsets(const std::array<bool, N>& mask, int size) {
-  std::vector<int> offsets;
-  for (int k = 0; k < size; ++k) {
-    if (mask[k]) offsets.push_back(k);
-  }
-  return offsets;
-}
-
 template <typename Camera, typename Pose>
 class ReprojectionProblemOf final : public ReprojectionProblem {
  public:
@@ -102,7 +83,7 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
     ceres::Manifold* free_pose = nullptr;  // one object serves every free camera
     for (std::int64_t c = 0; c < scene_.num_cameras(); ++c) {
       if (ceres_->HasParameterBlock(state_.intrinsics(c))) {
-        hold_coordinates<Camera::kNumParams>(state_.intrinsics(c), held_.intrinsics[c]);
+        hold_coordinates<Camera::kNumParams>(*ceres_, state_.intrinsics(c), held_.intrinsics[c]);
       }
       double* pose = state_.pose(c);
       if (!ceres_->HasParameterBlock(pose)) continue;
@@ -132,15 +113,6 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
     return new ceres::SubsetManifold(6, held);
   }
 
-  template <int Size, std::size_t N>
-  void hold_coordinates(double* block, const std::array<bool, N>& mask) {
-    if (all_held(mask)) {
-      ceres_->SetParameterBlockConstant(block);
-    } else if (count_free(mask) < Size) {
-      ceres_->SetManifold(block, new ceres::SubsetManifold(Size, held_offsets(mask, Size)));
-    }
-  }
-
   void apply_point_constants() {
     ceres::Manifold* sphere = nullptr;
     for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
@@ -152,7 +124,7 @@ class ReprojectionProblemOf final : public ReprojectionProblem {
         if (sphere == nullptr) sphere = new ceres::SphereManifold<4>();
         ceres_->SetManifold(block, sphere);
       } else if (!held_.points.empty()) {
-        hold_coordinates<3>(block, held_.points[p]);
+        hold_coordinates<3>(*ceres_, block, held_.points[p]);
       }
     }
   }

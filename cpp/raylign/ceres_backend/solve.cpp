@@ -4,56 +4,15 @@
 
 #include <ceres/crs_matrix.h>
 
-#include <algorithm>
-
 #include "raylign/base/blas_threads.h"
 #include "raylign/base/error.h"
 #include "raylign/base/stopwatch.h"
 #include "raylign/ceres_backend/linear_solver_choice.h"
 #include "raylign/ceres_backend/process_guards.h"
 #include "raylign/ceres_backend/reprojection_problem.h"
-#include "raylign/ceres_backend/summary_bridge.h"
 #include "raylign/parametrization/start_check.h"
 
 namespace raylign::ceres_backend {
-namespace {
-
-// Ceres' Schur solvers want the elimination order: points first.
-void set_ordering(ReprojectionProblem& problem, ceres::Solver::Options& options) {
-  if (options.linear_solver_type == ceres::DENSE_NORMAL_CHOLESKY) return;
-  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (double* block : problem.blocks()) ordering->AddElementToGroup(block, 1);
-  for (double* block : problem.point_blocks()) ordering->AddElementToGroup(block, 0);
-  options.linear_solver_ordering = ordering;
-}
-
-// Ceres reports no iteration when every block is constant; a caller always finds row 0.
-void ensure_first_row(Summary& summary, int num_residual_blocks) {
-  if (!summary.iterations.empty()) return;
-  IterationSummary row;
-  row.iteration = 0;
-  row.cost = summary.initial_cost;
-  row.num_residual_blocks = num_residual_blocks;
-  summary.iterations.push_back(row);
-}
-
-// After a failure Ceres forgets the costs; the rows have them.
-void adopt_costs_of_rows(Summary& summary) {
-  if (summary.iterations.empty()) return;
-  summary.initial_cost = summary.iterations.front().cost;
-  summary.final_cost = summary.initial_cost;
-  for (const IterationSummary& row : summary.iterations) {
-    if (row.step_is_accepted) summary.final_cost = row.cost;
-  }
-}
-
-bool has_free_point(ReprojectionProblem& problem) {
-  return std::any_of(
-      problem.point_blocks().begin(), problem.point_blocks().end(),
-      [&](double* block) { return !problem.ceres_problem().IsParameterBlockConstant(block); });
-}
-
-}  // namespace
 
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
@@ -68,40 +27,13 @@ Summary solve(BundleScene& scene,
   const std::string invalid = describe_invalid_start(scene, options.loss);
   if (!invalid.empty()) return failed_summary("ceres", invalid);
   const auto built = ReprojectionProblem::create(scene, config, options);
-  const bool eliminates = has_free_point(*built);
-  LinearSolverChoice choice = choose_linear_solver(options.linear_solver.type, scene, eliminates);
+  const bool eliminates = built->has_free_point();
+  const LinearSolverChoice choice =
+      choose_linear_solver(options.linear_solver.type, scene.num_cameras(), eliminates);
   check_ceres_limits(scene, choice.type, eliminates);
-
-  BundleOptions resolved = options;
-  resolved.linear_solver.type = choice.type;
-  ceres::Solver::Options ceres_options = to_ceres(resolved);
-  set_ordering(*built, ceres_options);
-  const int num_residual_blocks = static_cast<int>(scene.num_observations());
-  const double build_time_s = stopwatch.seconds();
-  CallbackBridge bridge(callback, num_residual_blocks, build_time_s, [&] { built->save_state(); });
-  ceres_options.callbacks.push_back(&bridge);
-  ceres::Solver::Summary ceres_summary;
-  ceres::Solve(ceres_options, &built->ceres_problem(), &ceres_summary);
-  if (bridge.pending_exception()) std::rethrow_exception(bridge.pending_exception());
-
-  Summary summary = from_ceres(ceres_summary, options.lm);
-  summary.linear_solver = choice.type;
-  summary.linear_solver_reason = choice.reason;
-  if (ceres_summary.linear_solver_type_used != ceres_options.linear_solver_type) {
-    summary.linear_solver_reason +=
-        std::string("; Ceres ran ") +
-        ceres::LinearSolverTypeToString(ceres_summary.linear_solver_type_used);
-  }
-  summary.iterations = bridge.iterations();
-  summary.count_steps();
-  if (summary.termination == Termination::FAILURE) {
-    adopt_costs_of_rows(summary);
-    if (summary.num_accepted > 0) built->restore_saved_state();
-  } else {
-    ensure_first_row(summary, num_residual_blocks);
-  }
+  Summary summary = run_ceres(*built, options, choice, static_cast<int>(scene.num_observations()),
+                              callback, stopwatch);
   if (summary.is_usable()) built->write_back(scene);
-  summary.preprocessor_time_s += build_time_s;
   summary.total_time_s = stopwatch.seconds();
   return summary;
 }

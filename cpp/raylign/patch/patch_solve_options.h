@@ -62,6 +62,17 @@ struct PatchSolveOptions {
   LeavingRule leaving = LeavingRule::KEEP_COST;
   double max_leaving_share = 0.05;  ///< a step that more of the seen edges leave by is refused
   LmOptions lm;
+
+  /// Throws OptionsError.
+  void validate() const;
 };
+
+struct PatchScene;
+
+/// What every solve asks of its input before anything else: the scene fits itself, the constraints
+/// fit the scene. Throws ShapeError, OptionsError.
+void validate_patch_solve(const PatchScene& scene,
+                          const PatchConstraints& constraints,
+                          const PatchSolveOptions& options);
 
 }  // namespace raylign
