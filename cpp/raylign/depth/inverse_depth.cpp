@@ -13,32 +13,26 @@ namespace {
 
 namespace kernels = depth_kernels;
 
-// σ_D = constant + quadratic D² + beyond (1 − 0.4 D)²: each law with Z = 1/D put in.
-struct NoiseCoefficients {
-  float constant = 0.0F;
-  float quadratic = 0.0F;
-  float beyond = 0.0F;
-};
-
-NoiseCoefficients coefficients(const DepthModel& model) {
+// Each law of σ_D with Z = 1/D put in.
+kernels::NoiseLaw law_of(const DepthModel& model) {
   const double s = model.effective_sigma();
-  NoiseCoefficients result;
+  kernels::NoiseLaw law;
   switch (model.noise) {
     case DepthNoise::KINECT:
-      result.quadratic = static_cast<float>(0.0012 * s);
-      result.beyond = static_cast<float>(0.0019 * s);
+      law.c0 = static_cast<float>(0.0012 * s);
+      law.c1 = static_cast<float>(0.0019 * s);
       break;
     case DepthNoise::TIME_OF_FLIGHT:
-      result.quadratic = static_cast<float>(s);
+      law.c0 = static_cast<float>(s);
       break;
     case DepthNoise::DISPARITY:
-      result.constant = static_cast<float>(s / model.focal_baseline);
+      law.constant = static_cast<float>(s / model.focal_baseline);
       break;
     case DepthNoise::CONSTANT:
-      result.constant = static_cast<float>(s);
+      law.constant = static_cast<float>(s);
       break;
   }
-  return result;
+  return law;
 }
 
 const std::byte* row_of(const ImageView& image, int v) {
@@ -64,56 +58,79 @@ void InverseDepthConverter::convert(const ImageView& depth,
                                     float* D,
                                     float* V) {
   check(depth, depth_scale);
-  invert(depth, depth_scale, D);
-  if (model_.edge_ratio > 0.0 && model_.edge_radius > 0) remove_edges(depth.width, depth.height, D);
-  const NoiseCoefficients c = coefficients(model_);
-  for (int v = 0; v < depth.height; ++v) {
-    const std::int64_t first = std::int64_t{v} * depth.width;
-    kernels::variance_row(D + first, depth.width, c.constant, c.quadratic, c.beyond, V + first);
+  const kernels::NoiseLaw law = law_of(model_);
+  const bool removes_edges = model_.edge_ratio > 0.0 && model_.edge_radius > 0;
+  const int delay = removes_edges ? model_.edge_radius : 0;
+  const int width = depth.width;
+  const int height = depth.height;
+  if (removes_edges) {
+    const auto rows = static_cast<std::size_t>(2 * delay + 2);  // the last: scratch
+    low_.resize(rows * static_cast<std::size_t>(width));
+    high_.resize(low_.size());
+  }
+  // row by row, so that what a row is made of is still in the cache
+  for (int v = 0; v < height + delay; ++v) {
+    if (v < height) invert_row(depth, depth_scale, v, D + std::int64_t{v} * width);
+    if (!removes_edges) {
+      kernels::variance_row(D + std::int64_t{v} * width, width, law, V + std::int64_t{v} * width);
+      continue;
+    }
+    if (v < height) start_row(D + std::int64_t{v} * width, v, width);
+    if (v >= delay) finish_row(v - delay, width, height, D, V);
   }
 }
 
-void InverseDepthConverter::invert(const ImageView& depth, double depth_scale, float* D) const {
+void InverseDepthConverter::invert_row(const ImageView& depth,
+                                       double depth_scale,
+                                       int v,
+                                       float* D) const {
   const auto near = static_cast<float>(model_.min_depth);
   const auto far = static_cast<float>(model_.max_depth);
-  for (int v = 0; v < depth.height; ++v) {
-    float* out = D + std::int64_t{v} * depth.width;
-    const std::byte* row = row_of(depth, v);
-    if (depth.type == PixelType::FLOAT32) {
-      kernels::invert_row(reinterpret_cast<const float*>(row), depth.width, near, far, out);
-    } else {
-      kernels::invert_row(reinterpret_cast<const std::uint16_t*>(row), depth.width,
-                          static_cast<float>(1.0 / depth_scale), near, far, out);
-    }
+  const std::byte* row = row_of(depth, v);
+  if (depth.type == PixelType::FLOAT32) {
+    kernels::invert_row(reinterpret_cast<const float*>(row), depth.width, near, far, D);
+  } else {
+    kernels::invert_row(reinterpret_cast<const std::uint16_t*>(row), depth.width,
+                        static_cast<float>(1.0 / depth_scale), near, far, D);
   }
 }
 
-// The minimum and maximum over a window of radius r are those of radius 1, r times over.
-void InverseDepthConverter::remove_edges(int width, int height, float* D) {
-  const std::size_t size = static_cast<std::size_t>(width) * height;
-  for (auto* buffer : {&low_, &high_, &low_row_, &high_row_}) buffer->resize(size);
-  const auto row = [&](std::vector<float>& buffer, int v) {
-    return buffer.data() + std::int64_t{std::clamp(v, 0, height - 1)} * width;
+float* InverseDepthConverter::ring_row(std::vector<float>& ring, int v, int width) {
+  return ring.data() + std::int64_t{v % (2 * model_.edge_radius + 1)} * width;
+}
+
+// The minimum and maximum over a window of radius r are those of radius 1, r times over: here along
+// the row, in finish_row across rows.
+void InverseDepthConverter::start_row(const float* D, int v, int width) {
+  float* low = ring_row(low_, v, width);
+  float* high = ring_row(high_, v, width);
+  kernels::extremes_row(D, width, low, high);
+  float* scratch = low_.data() + std::int64_t{2 * model_.edge_radius + 1} * width;
+  for (int pass = 1; pass < model_.edge_radius; ++pass) {
+    kernels::min3_row(low, width, scratch);
+    std::copy_n(scratch, width, low);
+    kernels::max3_row(high, width, scratch);
+    std::copy_n(scratch, width, high);
+  }
+}
+
+void InverseDepthConverter::finish_row(int v, int width, int height, float* D, float* V) {
+  const int radius = model_.edge_radius;
+  const auto window = [&](std::vector<float>& ring, auto reduce) {
+    const auto row = [&](int k) -> const float* {
+      return ring_row(ring, std::clamp(v + k, 0, height - 1), width);
+    };
+    if (radius == 1) return kernels::Rows{row(-1), row(0), row(1)};
+    float* scratch = ring.data() + std::int64_t{2 * radius + 1} * width;
+    reduce(kernels::Rows{row(-1), row(0), row(1)}, width, scratch);
+    for (int k = 2; k <= radius; ++k) {
+      reduce(kernels::Rows{row(-k), scratch, row(k)}, width, scratch);
+    }
+    return kernels::Rows{scratch, scratch, scratch};
   };
-  for (int v = 0; v < height; ++v) {
-    kernels::start_extremes(D + std::int64_t{v} * width, width, row(low_, v), row(high_, v));
-  }
-  for (int pass = 0; pass < model_.edge_radius; ++pass) {
-    for (int v = 0; v < height; ++v) {
-      kernels::min3_row(row(low_, v), width, row(low_row_, v));
-      kernels::max3_row(row(high_, v), width, row(high_row_, v));
-    }
-    for (int v = 0; v < height; ++v) {
-      kernels::min3_rows(row(low_row_, v - 1), row(low_row_, v), row(low_row_, v + 1), width,
-                         row(low_, v));
-      kernels::max3_rows(row(high_row_, v - 1), row(high_row_, v), row(high_row_, v + 1), width,
-                         row(high_, v));
-    }
-  }
-  const auto ratio = static_cast<float>(model_.edge_ratio);
-  for (int v = 0; v < height; ++v) {
-    kernels::drop_edges_row(row(low_, v), row(high_, v), width, ratio, D + std::int64_t{v} * width);
-  }
+  const std::int64_t first = std::int64_t{v} * width;
+  kernels::finish_row(window(low_, kernels::min3_rows), window(high_, kernels::max3_rows), width,
+                      static_cast<float>(model_.edge_ratio), law_of(model_), D + first, V + first);
 }
 
 }  // namespace raylign

@@ -30,11 +30,13 @@ class InverseDepthConverter {
   const DepthModel& model() const { return model_; }
 
  private:
-  void invert(const ImageView& depth, double depth_scale, float* D) const;
-  void remove_edges(int width, int height, float* D);
+  void invert_row(const ImageView& depth, double depth_scale, int v, float* D) const;
+  float* ring_row(std::vector<float>& ring, int v, int width);
+  void start_row(const float* D, int v, int width);
+  void finish_row(int v, int width, int height, float* D, float* V);
 
   DepthModel model_;
-  std::vector<float> low_, high_, low_row_, high_row_;
+  std::vector<float> low_, high_;  ///< the last rows' extremes along the row
 };
 
 }  // namespace raylign

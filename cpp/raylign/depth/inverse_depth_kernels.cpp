@@ -18,6 +18,14 @@ RAYLIGN_INLINE float inverse_or_zero(float z, float min_depth, float max_depth) 
   return z >= min_depth && z <= max_depth ? 1.0F / z : 0.0F;
 }
 
+RAYLIGN_INLINE float low_of(float D) { return D > 0.0F ? D : kInfinity; }
+
+RAYLIGN_INLINE float variance(float D, const NoiseLaw& law) {
+  const float beyond = 1.0F - 0.4F * D;
+  const float sigma = law.constant + law.c0 * D * D + law.c1 * beyond * beyond;
+  return D > 0.0F ? sigma * sigma : 0.0F;
+}
+
 }  // namespace
 
 RAYLIGN_CLONES void invert_row(
@@ -37,20 +45,23 @@ RAYLIGN_CLONES void invert_row(const std::uint16_t* raw,
   }
 }
 
-RAYLIGN_CLONES void variance_row(
-    const float* D, int width, float constant, float c0, float c1, float* V) {
-  for (int u = 0; u < width; ++u) {
-    const float beyond = 1.0F - 0.4F * D[u];
-    const float sigma = constant + c0 * D[u] * D[u] + c1 * beyond * beyond;
-    V[u] = D[u] > 0.0F ? sigma * sigma : 0.0F;
-  }
+RAYLIGN_CLONES void variance_row(const float* D, int width, const NoiseLaw& law, float* V) {
+  const NoiseLaw l = law;
+  for (int u = 0; u < width; ++u) V[u] = variance(D[u], l);
 }
 
-RAYLIGN_CLONES void start_extremes(const float* D, int width, float* low, float* high) {
-  for (int u = 0; u < width; ++u) {
-    low[u] = D[u] > 0.0F ? D[u] : kInfinity;
-    high[u] = D[u];
+RAYLIGN_CLONES void extremes_row(const float* D, int width, float* low, float* high) {
+#pragma GCC ivdep
+  for (int u = 1; u < width - 1; ++u) {
+    low[u] = lower(low_of(D[u]), lower(low_of(D[u - 1]), low_of(D[u + 1])));
+    high[u] = higher(D[u], higher(D[u - 1], D[u + 1]));
   }
+  const int last = width - 1;
+  low[0] = width > 1 ? lower(low_of(D[0]), low_of(D[1])) : low_of(D[0]);
+  high[0] = width > 1 ? higher(D[0], D[1]) : D[0];
+  if (width == 1) return;
+  low[last] = lower(low_of(D[last]), low_of(D[last - 1]));
+  high[last] = higher(D[last], D[last - 1]);
 }
 
 RAYLIGN_CLONES void min3_row(const float* in, int width, float* out) {
@@ -67,19 +78,34 @@ RAYLIGN_CLONES void max3_row(const float* in, int width, float* out) {
   if (width > 1) out[last] = higher(in[last], in[last - 1]);
 }
 
-RAYLIGN_CLONES void min3_rows(
-    const float* a, const float* b, const float* c, int width, float* out) {
-  for (int u = 0; u < width; ++u) out[u] = lower(a[u], lower(b[u], c[u]));
+RAYLIGN_CLONES void min3_rows(const Rows& rows, int width, float* out) {
+  const Rows r = rows;
+  for (int u = 0; u < width; ++u) out[u] = lower(r.above[u], lower(r.here[u], r.below[u]));
 }
 
-RAYLIGN_CLONES void max3_rows(
-    const float* a, const float* b, const float* c, int width, float* out) {
-  for (int u = 0; u < width; ++u) out[u] = higher(a[u], higher(b[u], c[u]));
+RAYLIGN_CLONES void max3_rows(const Rows& rows, int width, float* out) {
+  const Rows r = rows;
+  for (int u = 0; u < width; ++u) out[u] = higher(r.above[u], higher(r.here[u], r.below[u]));
 }
 
-RAYLIGN_CLONES void drop_edges_row(
-    const float* low, const float* high, int width, float ratio, float* D) {
-  for (int u = 0; u < width; ++u) D[u] = high[u] - low[u] > ratio * D[u] ? 0.0F : D[u];
+RAYLIGN_CLONES void finish_row(const Rows& low,
+                               const Rows& high,
+                               int width,
+                               float ratio,
+                               const NoiseLaw& law,
+                               float* D,
+                               float* V) {
+  const Rows l = low;
+  const Rows h = high;
+  const NoiseLaw noise = law;
+#pragma GCC ivdep
+  for (int u = 0; u < width; ++u) {
+    const float lowest = lower(l.above[u], lower(l.here[u], l.below[u]));
+    const float highest = higher(h.above[u], higher(h.here[u], h.below[u]));
+    const float kept = highest - lowest > ratio * D[u] ? 0.0F : D[u];
+    D[u] = kept;
+    V[u] = variance(kept, noise);
+  }
 }
 
 }  // namespace raylign::depth_kernels

@@ -18,19 +18,39 @@ void invert_row(const std::uint16_t* raw,
                 float max_depth,
                 float* D);
 
-/// V = σ² with σ = constant + c0 D² + c1 (1 − 0.4 D)², which all laws of DepthModel are; 0 where D
-/// is 0.
-void variance_row(const float* D, int width, float constant, float c0, float c1, float* V);
+/// σ = constant + c0 D² + c1 (1 − 0.4 D)², which all laws of DepthModel are.
+struct NoiseLaw {
+  float constant = 0.0F;
+  float c0 = 0.0F;
+  float c1 = 0.0F;
+};
 
-/// low = D, +∞ where D is 0; high = D.
-void start_extremes(const float* D, int width, float* low, float* high);
+/// V = σ²; 0 where D is 0.
+void variance_row(const float* D, int width, const NoiseLaw& law, float* V);
+
+/// low and high = min and max of D[u − 1 … u + 1], clipped at the ends; a D of 0 does not count.
+void extremes_row(const float* D, int width, float* low, float* high);
 /// out[u] = min/max of in[u − 1 … u + 1], clipped at the ends.
 void min3_row(const float* in, int width, float* out);
 void max3_row(const float* in, int width, float* out);
+
+/// Three rows, one below the other.
+struct Rows {
+  const float* above;
+  const float* here;
+  const float* below;
+};
+
 /// out = min/max of three rows.
-void min3_rows(const float* a, const float* b, const float* c, int width, float* out);
-void max3_rows(const float* a, const float* b, const float* c, int width, float* out);
-/// D = 0 where high − low > ratio · D.
-void drop_edges_row(const float* low, const float* high, int width, float ratio, float* D);
+void min3_rows(const Rows& rows, int width, float* out);
+void max3_rows(const Rows& rows, int width, float* out);
+/// D = 0 where the highest of three rows less the lowest exceeds ratio · D; V as variance_row.
+void finish_row(const Rows& low,
+                const Rows& high,
+                int width,
+                float ratio,
+                const NoiseLaw& law,
+                float* D,
+                float* V);
 
 }  // namespace raylign::depth_kernels

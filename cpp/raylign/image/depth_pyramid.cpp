@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/image/depth_pyramid.h"
 
+#include <utility>
+
 #include "raylign/image/kernels.h"
 
 namespace raylign {
@@ -12,17 +14,21 @@ void DepthPyramidOptions::validate() const {
                  max_depth_ratio);
 }
 
+void DepthPyramid::make_levels(int width, int height, const DepthPyramidOptions& options) {
+  options.validate();
+  if (width == 0 || height == 0) throw ShapeError("a depth map must have at least one pixel");
+  levels_.resize(num_pyramid_levels(width, height, options.pyramid));
+}
+
 void DepthPyramid::assign(const PlaneView<float>& inverse_depth,
                           const PlaneView<float>& variance,
                           const DepthPyramidOptions& options) {
-  options.validate();
   const int width = inverse_depth.width;
   const int height = inverse_depth.height;
   if (width != variance.width || height != variance.height) {
     throw ShapeError("inverse depth and variance must have the same size");
   }
-  if (inverse_depth.empty()) throw ShapeError("a depth map must have at least one pixel");
-  levels_.resize(num_pyramid_levels(width, height, options.pyramid));
+  make_levels(width, height, options);
   Level& finest = levels_.front();
   finest.D.resize(width, height);
   finest.V.resize(width, height);
@@ -30,6 +36,22 @@ void DepthPyramid::assign(const PlaneView<float>& inverse_depth,
     image_kernels::mark_depth(inverse_depth.row(v), variance.row(v), width, finest.D.row(v),
                               finest.V.row(v));
   }
+  halve(options);
+}
+
+void DepthPyramid::adopt(Plane<float>& inverse_depth,
+                         Plane<float>& variance,
+                         const DepthPyramidOptions& options) {
+  if (inverse_depth.width() != variance.width() || inverse_depth.height() != variance.height()) {
+    throw ShapeError("inverse depth and variance must have the same size");
+  }
+  make_levels(inverse_depth.width(), inverse_depth.height(), options);
+  std::swap(levels_.front().D, inverse_depth);
+  std::swap(levels_.front().V, variance);
+  halve(options);
+}
+
+void DepthPyramid::halve(const DepthPyramidOptions& options) {
   const auto ratio = static_cast<float>(options.max_depth_ratio);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     const Level& fine = levels_[l - 1];

@@ -40,6 +40,12 @@ class DepthPyramid {
               const PlaneView<float>& variance,
               const DepthPyramidOptions& options = {});
 
+  /// As assign, of maps that keep to the rule above already (both 0, or both positive and finite).
+  /// Takes them without a copy and leaves earlier ones in their place.
+  void adopt(Plane<float>& inverse_depth,
+             Plane<float>& variance,
+             const DepthPyramidOptions& options = {});
+
   int num_levels() const { return static_cast<int>(levels_.size()); }
   const Plane<float>& inverse_depth(int l) const { return levels_[l].D; }
   const Plane<float>& variance(int l) const { return levels_[l].V; }
@@ -49,6 +55,9 @@ class DepthPyramid {
     Plane<float> D;
     Plane<float> V;
   };
+
+  void make_levels(int width, int height, const DepthPyramidOptions& options);
+  void halve(const DepthPyramidOptions& options);
 
   std::vector<Level> levels_;
 };

@@ -140,7 +140,7 @@ void RgbdOdometry::set_depth(const ImageView& depth, Frame& frame) {
   D_.resize(depth.width, depth.height);
   V_.resize(depth.width, depth.height);
   converter_.convert(depth, options_.depth_scale, D_.data(), V_.data());
-  frame.set_depth(D_.view(), V_.view());
+  frame.adopt_depth(D_, V_);
 }
 
 bool RgbdOdometry::start(const std::shared_ptr<Shot>& shot, OdometryResult& result) {

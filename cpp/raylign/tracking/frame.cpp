@@ -27,18 +27,31 @@ void Frame::assign(const ImageView& image, const PinholeCamera& camera, int max_
   for (auto& level : depth_cells_) level.is_ready = false;
 }
 
-void Frame::set_depth(const PlaneView<float>& inverse_depth, const PlaneView<float>& variance) {
-  if (inverse_depth.width != width(0) || inverse_depth.height != height(0)) {
-    throw ShapeError("a depth map must have the image's size, got " +
-                     std::to_string(inverse_depth.width) + " x " +
-                     std::to_string(inverse_depth.height) + " for an image of " +
+DepthPyramidOptions Frame::depth_options(int depth_width, int depth_height) const {
+  if (depth_width != width(0) || depth_height != height(0)) {
+    throw ShapeError("a depth map must have the image's size, got " + std::to_string(depth_width) +
+                     " x " + std::to_string(depth_height) + " for an image of " +
                      std::to_string(width(0)) + " x " + std::to_string(height(0)));
   }
   DepthPyramidOptions options;
   options.pyramid.max_levels = num_levels();
-  depth_.assign(inverse_depth, variance, options);
+  return options;
+}
+
+void Frame::start_depth() {
   has_depth_ = true;
   for (auto& level : depth_cells_) level.is_ready = false;
+}
+
+void Frame::set_depth(const PlaneView<float>& inverse_depth, const PlaneView<float>& variance) {
+  depth_.assign(inverse_depth, variance, depth_options(inverse_depth.width, inverse_depth.height));
+  start_depth();
+}
+
+void Frame::adopt_depth(Plane<float>& inverse_depth, Plane<float>& variance) {
+  depth_.adopt(inverse_depth, variance,
+               depth_options(inverse_depth.width(), inverse_depth.height()));
+  start_depth();
 }
 
 const GradientImage& Frame::gradients(int level) const {

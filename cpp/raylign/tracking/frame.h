@@ -29,6 +29,10 @@ class Frame {
   /// where both are positive and finite. Throws ShapeError when a size is not the image's.
   void set_depth(const PlaneView<float>& inverse_depth, const PlaneView<float>& variance);
 
+  /// As set_depth, of maps that are both 0 or both positive and finite in every pixel; takes them
+  /// without a copy and leaves earlier ones in their place.
+  void adopt_depth(Plane<float>& inverse_depth, Plane<float>& variance);
+
   int num_levels() const { return images_.num_levels(); }
   int width(int level) const { return images_.level(level).width(); }
   int height(int level) const { return images_.level(level).height(); }
@@ -47,6 +51,9 @@ class Frame {
     T value;
     bool is_ready = false;
   };
+
+  DepthPyramidOptions depth_options(int width, int height) const;
+  void start_depth();
 
   PinholeCamera camera_;
   ImagePyramid images_;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <limits>
 
 #include "raylign/base/error.h"
@@ -31,101 +33,159 @@ int tile_quota(std::vector<int> counts, int budget) {
   return std::numeric_limits<int>::max();
 }
 
+std::uint32_t pixel_of(std::uint64_t candidate) { return ~static_cast<std::uint32_t>(candidate); }
+
 }  // namespace
 
+// A level of a frame as points are chosen from it.
+struct PointList::Source {
+  Source(const Frame& frame, int level, const KeyframeOptions& options)
+      : cells(frame.gradients(level)),
+        D(frame.depth().inverse_depth(level)),
+        V(frame.depth().variance(level)),
+        camera(frame.camera(level)),
+        width(cells.width()),
+        height(cells.height()),
+        side(block_side(level, options)),
+        columns((width + side - 1) / side),
+        rows((height + side - 1) / side),
+        spacing(options.spacing),
+        min_score(static_cast<float>(options.min_gradient * options.min_gradient)) {}
+
+  float score(int u, int v) const {
+    const GradientCell& cell = cells.at(u, v);
+    return cell.du * cell.du + cell.dv * cell.dv;
+  }
+  // written so that NaN fails
+  bool is_candidate(int u, int v) const {
+    const GradientCell& cell = cells.at(u, v);
+    const float s = score(u, v);
+    const float sum = s + cell.value;
+    return static_cast<bool>(static_cast<int>(V.at(u, v) > 0.0F) &
+                             static_cast<int>(s >= min_score) &
+                             static_cast<int>(sum - sum == 0.0F));
+  }
+  // The first column of a tile that is on the grid of candidates and inside the border.
+  int first_u(int column) const {
+    const int first = std::max(column * side, 1);
+    return (first + spacing - 1) / spacing * spacing;
+  }
+
+  const GradientImage& cells;
+  const Plane<float>& D;
+  const Plane<float>& V;
+  PinholeCamera camera;
+  int width, height;
+  int side, columns, rows;
+  int spacing;
+  float min_score;
+};
+
 PointList::PointList(const Frame& frame, int level, const KeyframeOptions& options) {
-  std::vector<std::vector<Candidate>> candidates = find_candidates(frame, level, options);
-  if (options.max_points > 0) {
-    std::vector<int> counts;
-    for (const auto& tile : candidates) counts.push_back(static_cast<int>(tile.size()));
-    const auto quota = static_cast<std::size_t>(tile_quota(counts, options.max_points));
-    for (auto& tile : candidates) {
-      if (tile.size() <= quota) continue;
-      const auto stronger = [](const Candidate& a, const Candidate& b) {
-        return a.score > b.score || (a.score == b.score && a.pixel < b.pixel);
-      };
-      std::nth_element(tile.begin(), tile.begin() + static_cast<std::ptrdiff_t>(quota), tile.end(),
-                       stronger);
-      tile.resize(quota);
-      std::sort(tile.begin(), tile.end(),
-                [](const Candidate& a, const Candidate& b) { return a.pixel < b.pixel; });
+  const Source source(frame, level, options);
+  std::vector<int> counts(static_cast<std::size_t>(source.columns) * source.rows, 0);
+  count_candidates(source, counts);
+  const int quota = options.max_points > 0 ? tile_quota(counts, options.max_points)
+                                           : std::numeric_limits<int>::max();
+  make_tiles(counts, quota);
+  if (num_points_ == 0) return;
+  std::vector<Candidate> candidates;
+  std::size_t tile = 0;
+  for (int row = 0; row < source.rows; ++row) {
+    for (int column = 0; column < source.columns; ++column) {
+      if (counts[static_cast<std::size_t>(row) * source.columns + column] == 0) continue;
+      collect(source, row, column, candidates);
+      const auto count = static_cast<std::size_t>(tiles_[tile].count);
+      if (candidates.size() > count) {
+        // the strongest, of equals the first
+        std::nth_element(candidates.begin(),
+                         candidates.begin() + static_cast<std::ptrdiff_t>(count), candidates.end(),
+                         std::greater<>());
+        candidates.resize(count);
+        std::sort(candidates.begin(), candidates.end(),
+                  [](Candidate a, Candidate b) { return pixel_of(a) < pixel_of(b); });
+      }
+      fill(source, tiles_[tile++].begin, candidates);
     }
   }
-  fill(frame, level, candidates);
+  mean_inverse_depth_ /= num_points_;
 }
 
-std::vector<std::vector<PointList::Candidate>> PointList::find_candidates(
-    const Frame& frame, int level, const KeyframeOptions& options) {
-  const GradientImage& cells = frame.gradients(level);
-  const Plane<float>& D = frame.depth().inverse_depth(level);
-  const Plane<float>& V = frame.depth().variance(level);
-  const int width = cells.width();
-  const int height = cells.height();
-  const int side = block_side(level, options);
-  const int columns = (width + side - 1) / side;
-  const int rows = (height + side - 1) / side;
-  std::vector<std::vector<Candidate>> tiles(static_cast<std::size_t>(columns) * rows);
-  const auto minimum = static_cast<float>(options.min_gradient * options.min_gradient);
+void PointList::count_candidates(const Source& source, std::vector<int>& counts) {
   // the outermost pixels have no central difference
-  for (int v = 1; v < height - 1; ++v) {
-    if (v % options.spacing != 0) continue;
-    const std::size_t row = static_cast<std::size_t>(v / side) * columns;
-    for (int u = 1; u < width - 1; ++u) {
-      if (!(V.at(u, v) > 0.0F) || !(D.at(u, v) > 0.0F)) continue;
-      ++num_with_depth_;
-      if (u % options.spacing != 0) continue;
-      const GradientCell& cell = cells.at(u, v);
-      const float score = cell.du * cell.du + cell.dv * cell.dv;
-      if (!(score >= minimum) || !std::isfinite(score + cell.value)) continue;
-      tiles[row + static_cast<std::size_t>(u / side)].push_back({score, v * width + u});
+  for (int v = 1; v < source.height - 1; ++v) {
+    const float* V = source.V.row(v);
+    for (int u = 1; u < source.width - 1; ++u) num_with_depth_ += V[u] > 0.0F ? 1 : 0;
+    if (v % source.spacing != 0) continue;
+    int* row = counts.data() + static_cast<std::ptrdiff_t>(v / source.side) * source.columns;
+    for (int column = 0; column < source.columns; ++column) {
+      const int end = std::min((column + 1) * source.side, source.width - 1);
+      int count = 0;
+      for (int u = source.first_u(column); u < end; u += source.spacing) {
+        count += source.is_candidate(u, v) ? 1 : 0;
+      }
+      row[column] += count;
     }
   }
-  return tiles;
 }
 
-void PointList::fill(const Frame& frame,
-                     int level,
-                     const std::vector<std::vector<Candidate>>& candidates) {
+void PointList::make_tiles(const std::vector<int>& counts, int quota) {
   std::int64_t size = 0;
-  for (const auto& tile : candidates) {
-    if (tile.empty()) continue;
-    const auto count = static_cast<std::int64_t>(tile.size());
-    const std::int64_t padded = (count + kLanes - 1) / kLanes * kLanes;
-    tiles_.push_back({size, size + padded, static_cast<int>(count)});
+  for (const int candidates : counts) {
+    if (candidates == 0) continue;
+    const int count = std::min(candidates, quota);
+    const std::int64_t padded = (std::int64_t{count} + kLanes - 1) / kLanes * kLanes;
+    tiles_.push_back({size, size + padded, count});
     size += padded;
-    num_points_ += static_cast<int>(count);
+    num_points_ += count;
   }
   pixels_.assign(static_cast<std::size_t>(size), -1);
   for (auto& groups : groups_) groups.assign(static_cast<std::size_t>(size / kLanes), Group{});
   if (size == 0) return;
-  const PinholeCamera camera = frame.camera(level);
-  const GradientImage& cells = frame.gradients(level);
-  const Plane<float>& D = frame.depth().inverse_depth(level);
-  const Plane<float>& V = frame.depth().variance(level);
-  const int width = cells.width();
   std::fill(array(INVERSE_DEPTH), array(INVERSE_DEPTH) + size, NAN);  // padding lands nowhere
   std::fill(array(VARIANCE), array(VARIANCE) + size, 1.0F);
-  std::size_t t = 0;
-  for (const auto& tile : candidates) {
-    if (tile.empty()) continue;
-    std::int64_t i = tiles_[t++].begin;
-    for (const Candidate& candidate : tile) {
-      const int u = candidate.pixel % width;
-      const int v = candidate.pixel / width;
-      const GradientCell& cell = cells.at(u, v);
-      pixels_[static_cast<std::size_t>(i)] = candidate.pixel;
-      array(RAY_X)[i] = static_cast<float>((u - camera.cx()) / camera.fx());
-      array(RAY_Y)[i] = static_cast<float>((v - camera.cy()) / camera.fy());
-      array(INVERSE_DEPTH)[i] = D.at(u, v);
-      array(VARIANCE)[i] = V.at(u, v);
-      array(INTENSITY)[i] = cell.value;
-      array(GRADIENT_U)[i] = cell.du;
-      array(GRADIENT_V)[i] = cell.dv;
-      mean_inverse_depth_ += static_cast<double>(D.at(u, v));
-      ++i;
+}
+
+void PointList::collect(const Source& source,
+                        int row,
+                        int column,
+                        std::vector<Candidate>& candidates) {
+  candidates.clear();
+  const int v_end = std::min((row + 1) * source.side, source.height - 1);
+  const int u_end = std::min((column + 1) * source.side, source.width - 1);
+  for (int v = std::max(row * source.side, 1); v < v_end; ++v) {
+    if (v % source.spacing != 0) continue;
+    for (int u = source.first_u(column); u < u_end; u += source.spacing) {
+      if (!source.is_candidate(u, v)) continue;
+      // a positive float's bits are in its order
+      const float score = source.score(u, v);
+      std::uint32_t bits = 0;
+      std::memcpy(&bits, &score, sizeof(bits));
+      const auto pixel = static_cast<std::uint32_t>(v * source.width + u);
+      candidates.push_back(Candidate{bits} << 32U | (~pixel & 0xffffffffU));
     }
   }
-  mean_inverse_depth_ /= num_points_;
+}
+
+void PointList::fill(const Source& source,
+                     std::int64_t i,
+                     const std::vector<Candidate>& candidates) {
+  for (const Candidate candidate : candidates) {
+    const auto pixel = static_cast<int>(pixel_of(candidate));
+    const int u = pixel % source.width;
+    const int v = pixel / source.width;
+    const GradientCell& cell = source.cells.at(u, v);
+    pixels_[static_cast<std::size_t>(i)] = pixel;
+    array(RAY_X)[i] = static_cast<float>((u - source.camera.cx()) / source.camera.fx());
+    array(RAY_Y)[i] = static_cast<float>((v - source.camera.cy()) / source.camera.fy());
+    array(INVERSE_DEPTH)[i] = source.D.at(u, v);
+    array(VARIANCE)[i] = source.V.at(u, v);
+    array(INTENSITY)[i] = cell.value;
+    array(GRADIENT_U)[i] = cell.du;
+    array(GRADIENT_V)[i] = cell.dv;
+    mean_inverse_depth_ += static_cast<double>(source.D.at(u, v));
+    ++i;
+  }
 }
 
 tracking::PointArrays PointList::arrays() const {

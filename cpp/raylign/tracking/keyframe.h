@@ -37,19 +37,21 @@ class PointList {
   };
   static constexpr int kNumArrays = 7;
 
-  struct Candidate {
-    float score;
-    std::int32_t pixel;
-  };
+  struct Source;
+  /// The bits of the squared gradient, then those of ~pixel: the larger, the better.
+  using Candidate = std::uint64_t;
 
   float* array(int k) { return groups_[k].empty() ? nullptr : groups_[k].front().values; }
   const float* array(int k) const {
     return groups_[k].empty() ? nullptr : groups_[k].front().values;
   }
-  std::vector<std::vector<Candidate>> find_candidates(const Frame& frame,
-                                                      int level,
-                                                      const KeyframeOptions& options);
-  void fill(const Frame& frame, int level, const std::vector<std::vector<Candidate>>& candidates);
+  void count_candidates(const Source& source, std::vector<int>& counts);
+  void make_tiles(const std::vector<int>& counts, int quota);
+  static void collect(const Source& source,
+                      int row,
+                      int column,
+                      std::vector<Candidate>& candidates);
+  void fill(const Source& source, std::int64_t i, const std::vector<Candidate>& candidates);
 
   std::vector<Tile> tiles_;
   std::vector<std::int32_t> pixels_;
