@@ -9,6 +9,7 @@
 #include "raylign/photometric/acceptance.h"
 #include "raylign/photometric/brightness_start.h"
 #include "raylign/photometric/constraints.h"
+#include "raylign/photometric/covariance.h"
 #include "raylign/photometric/levels.h"
 #include "raylign/photometric/refinement.h"
 #include "raylign/photometric/report.h"
@@ -126,6 +127,7 @@ class Adjustment {
     const Views before = find_views(setting_, start_, 0);
     const Views after = returns_refined() ? find_views(setting_, refined, 0) : before;
     report_views(setting_, before, after, base_.points, result_);
+    if (returns_refined()) add_covariances(refinement, after);
     result_.rounds = refinement.rounds();
     result_.summary = progress_.summary();
     result_.sigma = refinement.law().noise.sigma;
@@ -134,6 +136,22 @@ class Adjustment {
       result_.nu = refinement.law().loss.degrees_of_freedom;
     }
     return std::move(result_);
+  }
+
+  void add_covariances(const Refinement& refinement, const Views& views) {
+    if (options_.covariance == CovarianceScope::NONE) return;
+    CovarianceOptions options;
+    options.points = options_.covariance == CovarianceScope::ALL;
+    const Refinement::Solve solve =
+        refinement.make_solve(views, std::vector<bool>(setting_.num_points(), true));
+    if (solve.scene.num_edges() == 0) return;
+    PhotometricCovariance covariance =
+        photometric_covariance(solve.scene, solve.constraints, solve.options, options);
+    result_.pose_covariance = std::move(covariance.poses);
+    result_.point_covariances = std::move(covariance.points);
+    result_.covariance_overlap = covariance.overlap;
+    result_.shared_noise = covariance.shared_noise;
+    result_.free_directions = covariance.free_directions;
   }
 
   const PhotometricOptions& options_;

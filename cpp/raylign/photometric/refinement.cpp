@@ -120,14 +120,25 @@ void Progress::append(const Summary& part) {
   summary_ = std::move(total);
 }
 
-PatchSolveOptions Refinement::solve_options() const {
+Refinement::Solve Refinement::make_solve(const Views& views,
+                                         const std::vector<bool>& active) const {
   const PhotometricOptions& options = setting_.options;
-  PatchSolveOptions solve;
-  solve.loss = law_.loss;
-  solve.scope = options.noise.scope;
-  solve.leaving = options.leaving;
-  solve.max_leaving_share = options.max_leaving_share;
-  solve.lm = options.lm;
+  Solve solve;
+  solve.scene = used_scene(views, active);
+  solve.constraints = base_;
+  hold_unused(solve.scene, base_.points, solve.constraints);
+  set_priors(setting_, start_, law_.unit, solve.constraints);
+  solve.options.loss = law_.loss;
+  solve.options.scope = options.noise.scope;
+  solve.options.leaving = options.leaving;
+  solve.options.max_leaving_share = options.max_leaving_share;
+  solve.options.lm = options.lm;
+  if (options.additive_damping) {
+    LmOptions& lm = solve.options.lm;
+    lm.jacobi_scaling = false;
+    lm.min_diagonal = lm.max_diagonal = 1.0;
+    lm.initial_lambda *= max_hessian_diagonal(solve.scene, solve.constraints, solve.options);
+  }
   return solve;
 }
 
@@ -154,22 +165,14 @@ double Refinement::run_round(int level,
                              PhotometricState& state) {
   const Views views = find_views(setting_, state, level);
   if (estimate) law_ = estimate_law(setting_, views, active);
-  PatchScene scene = used_scene(views, active);
-  PatchConstraints constraints = base_;
-  hold_unused(scene, base_.points, constraints);
-  set_priors(setting_, start_, law_.unit, constraints);
-  PatchSolveOptions options = solve_options();
-  if (setting_.options.additive_damping) {
-    options.lm.jacobi_scaling = false;
-    options.lm.min_diagonal = options.lm.max_diagonal = 1.0;
-    options.lm.initial_lambda *= max_hessian_diagonal(scene, constraints, options);
-  }
+  Solve solve = make_solve(views, active);
+  PatchScene& scene = solve.scene;
   const PatchScene before = scene;
-  const Summary summary =
-      progress != nullptr
-          ? progress->solve(scene, constraints, options)
-          : solve_scene(scene, constraints, options, setting_.options.backend, nullptr, nullptr);
-  adopt(scene, constraints, state);
+  const Summary summary = progress != nullptr
+                              ? progress->solve(scene, solve.constraints, solve.options)
+                              : solve_scene(scene, solve.constraints, solve.options,
+                                            setting_.options.backend, nullptr, nullptr);
+  adopt(scene, solve.constraints, state);
   rounds_.push_back(describe(level, scene, law_, summary));
   const std::vector<double> lengths = motions(before, scene);
   rounds_.back().max_motion_px =

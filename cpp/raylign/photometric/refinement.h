@@ -68,6 +68,15 @@ class Refinement {
            Progress* progress,
            PhotometricState& state);
 
+  /// A solve, ready to run.
+  struct Solve {
+    PatchScene scene;
+    PatchConstraints constraints;
+    PatchSolveOptions options;
+  };
+  /// Of the OK edges of `active`, under the law of the last round.
+  Solve make_solve(const Views& views, const std::vector<bool>& active) const;
+
   const std::vector<PhotometricRound>& rounds() const { return rounds_; }
   const RoundLaw& law() const { return law_; }  ///< of the last round
 
@@ -77,7 +86,6 @@ class Refinement {
                    bool estimate,
                    Progress* progress,
                    PhotometricState& state);
-  PatchSolveOptions solve_options() const;
   void adopt(const PatchScene& scene, const PatchConstraints& held, PhotometricState& state) const;
 
   const Setting& setting_;

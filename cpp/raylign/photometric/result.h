@@ -90,10 +90,12 @@ struct PhotometricResult {
   std::vector<PhotometricRound> rounds;
   Summary summary;  ///< iterations of all rounds in a row, costs of the last round
 
-  /// (6M, 6M) of ξ = [υ; ω] of each image, T_cw = exp(ξ) T_estimate, rows and columns of what was
-  /// held zero; empty unless asked for.
-  Eigen::MatrixXd pose_covariance;
-  Rows<double, 9> point_covariances;  ///< (N, 9), NaN where there is none; empty unless asked for
+  // Covariances of the refined state (covariance.h); empty unless asked for and returned.
+  Eigen::MatrixXd pose_covariance;    ///< (6M, 6M) of ξ = [υ; ω], T_cw = exp(ξ) T_estimate
+  Rows<double, 9> point_covariances;  ///< (N, 9), NaN where there is none
+  double shared_noise = -1.0;         ///< share of a residual's variance that is the patch's noise
+  double covariance_overlap = -1.0;   ///< patches that a pixel belongs to, on average
+  int free_directions = -1;           ///< that nothing determines
 };
 
 std::string to_string(PointStatus status);
