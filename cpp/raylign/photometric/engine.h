@@ -17,9 +17,4 @@ Summary solve_scene(PatchScene& scene,
                     const IterationCallback& callback,
                     const InterruptCheck& interrupted);
 
-/// Largest entry of diag(JᵀWJ) over everything that may move, W the robust weights.
-double max_hessian_diagonal(const PatchScene& scene,
-                            const PatchConstraints& constraints,
-                            const PatchSolveOptions& options);
-
 }  // namespace raylign::photometric

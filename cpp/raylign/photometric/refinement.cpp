@@ -7,6 +7,7 @@
 
 #include "raylign/photometric/constraints.h"
 #include "raylign/photometric/engine.h"
+#include "raylign/photometric/native/information.h"
 
 namespace raylign::photometric {
 namespace {
@@ -137,7 +138,7 @@ Refinement::Solve Refinement::make_solve(const Views& views,
     LmOptions& lm = solve.options.lm;
     lm.jacobi_scaling = false;
     lm.min_diagonal = lm.max_diagonal = 1.0;
-    lm.initial_lambda *= max_hessian_diagonal(solve.scene, solve.constraints, solve.options);
+    lm.initial_lambda *= native::max_diagonal(solve.scene, solve.constraints, solve.options);
   }
   return solve;
 }
