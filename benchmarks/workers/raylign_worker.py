@@ -5,7 +5,7 @@ import time
 import raylign
 from protocol import parse_arguments, report, status_bytes
 
-BACKENDS = {backend.name.lower(): backend for backend in raylign.bundle.Backend}
+BACKENDS = {name: raylign.bundle.Backend[name.upper()] for name in ("native", "ceres")}
 TYPES = {kind.name.lower(): kind for kind in raylign.bundle.LinearSolverType}
 EXPLICIT = "iterative_explicit"  # ITERATIVE_SCHUR with S formed
 

@@ -44,6 +44,7 @@ void bind_solver_enums(py::module_& m) {
 
 void bind_bundle_enums(py::module_& m) {
   py::native_enum<Backend>(m, "Backend", "enum.Enum", "Engine of bundle adjustment.")
+      .value("AUTO", Backend::AUTO)
       .value("CERES", Backend::CERES)
       .value("NATIVE", Backend::NATIVE)
       .finalize();
@@ -198,6 +199,7 @@ void bind_summary(py::module_& m) {
           .field("termination", &S::termination, "Termination.")
           .field("message", &S::message, "Why, in words.")
           .field("backend", &S::backend, "'ceres', 'native' or 'none'.")
+          .field("backend_reason", &S::backend_reason, "Why AUTO took it, or 'requested'.")
           .field("initial_cost", &S::initial_cost, "½ Σ ρ(‖r‖²) at the start.")
           .field("final_cost", &S::final_cost, "½ Σ ρ(‖r‖²) at the end.")
           .field("num_accepted", &S::num_accepted, "Steps that moved the state.")

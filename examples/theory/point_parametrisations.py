@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 import raylign.synthetic
 from common import LINES, Result, print_table, run
 from raylign.bundle import (
+    Backend,
     BundleConfig,
     BundleOptions,
     LinearSolverOptions,
@@ -62,7 +63,9 @@ def options(kind: PointParametrization, max_num_iterations: int) -> BundleOption
         max_num_iterations=max_num_iterations, function_tolerance=1e-12, parameter_tolerance=1e-14
     )
     solver = LinearSolverOptions(type=LinearSolverType.DENSE_SCHUR)
-    return BundleOptions(point_parametrization=kind, lm=lm, linear_solver=solver)
+    return BundleOptions(  # one engine and one set of rules for all three
+        backend=Backend.CERES, point_parametrization=kind, lm=lm, linear_solver=solver
+    )
 
 
 def compare(

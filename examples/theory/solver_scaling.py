@@ -15,7 +15,14 @@ from matplotlib.figure import Figure
 
 import raylign.synthetic
 from common import LINES, Result, print_table, run
-from raylign.bundle import BundleOptions, LinearSolverOptions, LinearSolverType, LmOptions, adjust
+from raylign.bundle import (
+    Backend,
+    BundleOptions,
+    LinearSolverOptions,
+    LinearSolverType,
+    LmOptions,
+    adjust,
+)
 from raylign.errors import OptionsError
 from raylign.scene import BalProblem
 from raylign.viz import style
@@ -47,7 +54,9 @@ def bundle_options(solver: LinearSolverType) -> BundleOptions:
         gradient_tolerance=0.0,
         parameter_tolerance=0.0,
     )
-    return BundleOptions(lm=lm, linear_solver=LinearSolverOptions(type=solver))
+    return BundleOptions(  # the engine that has all of them
+        backend=Backend.CERES, lm=lm, linear_solver=LinearSolverOptions(type=solver)
+    )
 
 
 def time_solver(problem: BalProblem, solver: LinearSolverType, min_time_s: float) -> Result:

@@ -358,8 +358,9 @@ class Termination(enum.Enum):
     FAILURE = 5
 
 class Backend(enum.Enum):
-    CERES = 0
-    NATIVE = 1
+    AUTO = 0
+    CERES = 1
+    NATIVE = 2
 
 class PoseParametrization(enum.Enum):
     SE3 = 0
@@ -644,6 +645,7 @@ class Summary:
     termination: Termination
     message: str
     backend: str
+    backend_reason: str
     initial_cost: float
     final_cost: float
     num_accepted: int
@@ -667,6 +669,7 @@ class Summary:
         termination: Termination | str = ...,
         message: str = ...,
         backend: str = ...,
+        backend_reason: str = ...,
         initial_cost: float = ...,
         final_cost: float = ...,
         num_accepted: int = ...,
@@ -691,6 +694,7 @@ class Summary:
         termination: Termination | str = ...,
         message: str = ...,
         backend: str = ...,
+        backend_reason: str = ...,
         initial_cost: float = ...,
         final_cost: float = ...,
         num_accepted: int = ...,

@@ -82,7 +82,8 @@ def adjust(
     Args:
         problem: BalProblem, or BundleProblem for other cameras; not modified.
         config: what is held fixed. Default: nothing (gauge `FREE`; the damping holds it).
-        options: how to solve. Default: `BundleOptions()`.
+        options: how to solve. Default: `BundleOptions()`: the native engine where it has what is
+            asked for, else Ceres; `summary.backend_reason` says why.
         callback: called after each iteration, the start included; return False to stop. An
             exception in it stops the solve and is raised again here.
 
@@ -96,8 +97,8 @@ def adjust(
         ShapeError: the problem's arrays disagree.
 
     Note:
-        Bitwise reproducible at `num_threads=1`, the default, and with backend NATIVE at any
-        number of threads. Releases the GIL.
+        Bitwise reproducible at `num_threads=1`, the default, and where `summary.backend` is
+        'native' at any number of threads. Releases the GIL.
 
     Source:
         Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000; Agarwal et al., ECCV 2010.

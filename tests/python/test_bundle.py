@@ -36,7 +36,7 @@ TIGHT = LmOptions(
 )
 
 
-BACKENDS = list(Backend)
+BACKENDS = [Backend.CERES, Backend.NATIVE]
 POINTS = [  # what each engine can do
     (Backend.CERES, PointParametrization.XYZ),
     (Backend.CERES, PointParametrization.HOMOGENEOUS),
@@ -146,6 +146,48 @@ def test_native_refuses_what_it_does_not_do(adjust, perturbed, options, field):
         adjust(perturbed, options=options)
 
 
+ITERATIVE = LinearSolverOptions(type="iterative_schur")
+
+
+@pytest.mark.parametrize(
+    ("options", "expected", "why"),
+    [
+        (BundleOptions(), "native", "all that was asked for"),
+        (BundleOptions(point_parametrization="homogeneous"), "native", "all that was asked for"),
+        (BundleOptions(point_parametrization="inverse_depth"), "ceres", "inverse_depth"),
+        (
+            BundleOptions(linear_solver=LinearSolverOptions(type="dense_normal_cholesky")),
+            "ceres",
+            "dense_normal_cholesky",
+        ),
+        (
+            BundleOptions(linear_solver=ITERATIVE.replace(preconditioner="cluster_jacobi")),
+            "ceres",
+            "cluster_jacobi",
+        ),
+        (BundleOptions(backend="ceres"), "ceres", "requested"),
+        (BundleOptions(backend="native"), "native", "requested"),
+    ],
+)
+def test_the_default_takes_the_native_engine_where_it_has_what_is_asked_for(
+    perturbed, options, expected, why
+):
+    summary = bundle.adjust(perturbed, options=options).summary
+    assert summary.termination is Termination.CONVERGENCE
+    assert summary.backend == expected
+    assert why in summary.backend_reason
+    assert summary.backend_reason in summary.full_report()
+
+
+def test_what_only_the_native_engine_has_is_no_option_elsewhere(perturbed):
+    options = BundleOptions(point_parametrization="inverse_depth", jacobian_storage="float")
+    with pytest.raises(raylign.OptionsError, match="jacobian_storage FLOAT needs backend NATIVE"):
+        bundle.adjust(perturbed, options=options)
+    two_level = BundleOptions(linear_solver=ITERATIVE.replace(preconditioner="two_level"))
+    with pytest.raises(raylign.OptionsError, match="explicit_schur"):
+        bundle.adjust(perturbed, options=two_level)
+
+
 @pytest.mark.parametrize("pose", list(PoseParametrization), ids=lambda p: p.name)
 @pytest.mark.parametrize("point", ["xyz", "homogeneous"])
 def test_both_engines_walk_the_same_path(perturbed, pose, point):
@@ -154,7 +196,7 @@ def test_both_engines_walk_the_same_path(perturbed, pose, point):
         backend: bundle.adjust(
             perturbed, options=options.replace(backend=backend)
         ).summary.iterations
-        for backend in Backend
+        for backend in BACKENDS
     }
     count = min(len(r) for r in rows.values())
     assert count >= 4

@@ -431,7 +431,7 @@ def test_native_refuses_a_start_behind_the_camera_in_the_same_words(behind, mode
         bundle.adjust(
             behind, config=three_free(model), options=BundleOptions(backend=backend)
         ).summary
-        for backend in Backend
+        for backend in (Backend.CERES, Backend.NATIVE)
     ]
     if model is CameraModel.BAL:
         assert all(s.is_usable() for s in summaries)
@@ -444,3 +444,6 @@ def test_native_refuses_a_start_behind_the_camera_in_the_same_words(behind, mode
 def test_native_says_how_many_intrinsics_it_moves(noisy):
     with pytest.raises(raylign.OptionsError, match="at most 3 intrinsics"):
         bundle.adjust(noisy, options=BundleOptions(backend=Backend.NATIVE))
+    summary = bundle.adjust(noisy).summary  # the default finds who can
+    assert summary.backend == "ceres"
+    assert "at most 3 intrinsics" in summary.backend_reason

@@ -249,7 +249,7 @@ def test_marks_of_steps_that_failed() -> None:
 def test_options_without_effect_are_named(
     problem_file: Path, arguments: list[str], option: str
 ) -> None:
-    zero = ["--max-num-iterations", "0"]
+    zero = ["--backend", "ceres", "--max-num-iterations", "0"]
     result = run("bundle", problem_file, *zero, *arguments)
     assert result.exit_code == 0
     assert result.stderr.startswith(f"warning: {option} has no effect")
@@ -263,7 +263,9 @@ def test_automatic_solver_is_known_to_the_warning() -> None:
     limit = bundle_command._MAX_CAMERAS_FACTORED
     for num_cameras, kind in ((limit, "SPARSE_SCHUR"), (limit + 1, "ITERATIVE_SCHUR")):
         scene = synthetic.bal(num_cameras=num_cameras, num_points=5000)
-        options = bundle.BundleOptions(lm=bundle.LmOptions(max_num_iterations=0))
+        options = bundle.BundleOptions(
+            backend=bundle.Backend.CERES, lm=bundle.LmOptions(max_num_iterations=0)
+        )
         summary = bundle.adjust(scene.problem, options=options).summary
         assert summary.linear_solver.name == kind
 

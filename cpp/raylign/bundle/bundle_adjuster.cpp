@@ -18,18 +18,34 @@ void validate(const Problem& problem, const BundleConfig& config, const BundleOp
   options.validate();
 }
 
+struct Choice {
+  Backend backend;
+  std::string reason;
+};
+
+Choice choose_backend(const BundleScene& scene,
+                      const BundleConfig& config,
+                      const BundleOptions& options) {
+  if (options.backend != Backend::AUTO) return {options.backend, "requested"};
+  const std::string missing = native::missing_feature(scene, config, options);
+  if (missing.empty()) return {Backend::NATIVE, "auto: it has all that was asked for"};
+  BundleOptions instead = options;
+  instead.backend = Backend::CERES;
+  instead.validate();  // what only NATIVE has
+  return {Backend::CERES, "auto: " + missing};
+}
+
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback,
               const InterruptCheck& interrupted) {
-  switch (options.backend) {
-    case Backend::NATIVE:
-      return native::solve(scene, config, options, callback, interrupted);
-    case Backend::CERES:
-      break;
-  }
-  return ceres_backend::solve(scene, config, options, callback);
+  const Choice choice = choose_backend(scene, config, options);
+  Summary summary = choice.backend == Backend::NATIVE
+                        ? native::solve(scene, config, options, callback, interrupted)
+                        : ceres_backend::solve(scene, config, options, callback);
+  summary.backend_reason = choice.reason;
+  return summary;
 }
 
 template <typename Problem>

@@ -10,14 +10,15 @@ void BundleOptions::validate() const {
   loss.validate();
   lm.validate();
   linear_solver.validate();
-  if (jacobian_storage == JacobianStorage::FLOAT && backend != Backend::NATIVE) {
-    throw OptionsError("BundleOptions.jacobian_storage FLOAT needs backend NATIVE, got " +
-                       to_string(backend));
+  if (jacobian_storage == JacobianStorage::FLOAT && backend == Backend::CERES) {
+    throw OptionsError("BundleOptions.jacobian_storage FLOAT needs backend NATIVE, got ceres");
   }
 }
 
 std::string to_string(Backend backend) {
   switch (backend) {
+    case Backend::AUTO:
+      return "auto";
     case Backend::CERES:
       return "ceres";
     case Backend::NATIVE:

@@ -11,9 +11,10 @@ namespace raylign {
 
 /// Which engine solves.
 enum class Backend {
+  AUTO,    ///< NATIVE where it has what the call asks for, else CERES; Summary::backend_reason
   CERES,   ///< Ceres Solver with hand-written Jacobians: every option
-  NATIVE,  ///< raylign's own Schur-complement engine: XYZ and homogeneous points; fast, same bits
-           ///< on any number of threads
+  NATIVE,  ///< raylign's own Schur-complement engine: XYZ and homogeneous points, at most three
+           ///< free intrinsics per camera; fast, same bits on any number of threads
 };
 
 /// How a camera pose moves. The cost, the optimum and the undamped Gauss-Newton step are the same
@@ -40,7 +41,7 @@ enum class JacobianStorage {
 
 /// How a bundle adjustment is solved (what is held fixed: BundleConfig).
 struct BundleOptions {
-  Backend backend = Backend::CERES;
+  Backend backend = Backend::AUTO;
   PoseParametrization pose_parametrization = PoseParametrization::SE3;
   PointParametrization point_parametrization = PointParametrization::XYZ;
   Loss loss;

@@ -46,6 +46,7 @@ std::string Summary::full_report() const {
   text += format("backend            %s (%d thread%s, %s)\n", backend.c_str(), num_threads,
                  num_threads == 1 ? "" : "s",
                  deterministic ? "bitwise reproducible" : "not bitwise reproducible");
+  if (!backend_reason.empty()) text += "                   (" + backend_reason + ")\n";
   text += format("termination        %s: %s\n", to_string(termination).c_str(), message.c_str());
   text += format("residuals          %d\n", num_residuals);
   text += format("free parameters    %d\n", num_effective_parameters);

@@ -54,6 +54,7 @@ struct Summary {
   Termination termination = Termination::NOT_RUN;
   std::string message = "the solver was not called";
   std::string backend = "none";  ///< "ceres" or "native"
+  std::string backend_reason;    ///< why AUTO took it, or "requested"
   double initial_cost = -1.0;    ///< ½ Σ ρ(‖r‖²)
   double final_cost = -1.0;
   int num_accepted = 0;

@@ -9,6 +9,7 @@ E = TypeVar("E", bound=enum.Enum)
 class Backend(enum.StrEnum):
     """raylign.Backend."""
 
+    AUTO = "auto"
     CERES = "ceres"
     NATIVE = "native"
 

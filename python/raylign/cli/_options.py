@@ -70,6 +70,9 @@ JacobianStorageOpt = Annotated[
         panel=_SOLVER,
     ),
 ]
+ParityOpt = Annotated[
+    bool, _option(_SOLVER, "--parity", help="--backend native takes the steps of Ceres.")
+]
 LinearSolverOpt = Annotated[
     choices.LinearSolver,
     choice_option(
@@ -173,6 +176,7 @@ def bundle_options(
     point: choices.Point,
     linear_solver: LinearSolverOptions,
     jacobian_storage: choices.Storage,
+    parity: bool,
     lm: LmOptions,
 ) -> BundleOptions:
     """Build the library's options from the command line's words."""
@@ -184,6 +188,7 @@ def bundle_options(
         lm=lm,
         linear_solver=linear_solver,
         jacobian_storage=choices.library_value(JacobianStorage, jacobian_storage),
+        parity=parity,
     )
 
 

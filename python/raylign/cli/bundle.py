@@ -73,7 +73,7 @@ def bundle(
         Path | None, typer.Option("--report", help="Folder for pictures and summary.json.")
     ] = None,
     loss: opt.LossOpt = "trivial",
-    backend: opt.BackendOpt = choices.Backend.CERES,
+    backend: opt.BackendOpt = choices.Backend.AUTO,
     pose: opt.PoseOpt = choices.Pose.SE3,
     point: opt.PointOpt = choices.Point.XYZ,
     linear_solver: opt.LinearSolverOpt = choices.LinearSolver.AUTO,
@@ -82,6 +82,7 @@ def bundle(
     max_num_linear_iterations: opt.MaxLinearOpt = _LINEAR.max_num_iterations,
     forcing_tolerance: opt.ForcingOpt = _LINEAR.forcing_tolerance,
     jacobian_storage: opt.JacobianStorageOpt = choices.Storage.AUTO,
+    parity: opt.ParityOpt = False,
     num_threads: opt.NumThreadsOpt = _LM.num_threads,
     gauge: opt.GaugeOpt = choices.GaugeChoice.FREE,
     fix_intrinsics: opt.FixIntrinsicsOpt = False,
@@ -119,6 +120,7 @@ def bundle(
             forcing_tolerance,
         ),
         jacobian_storage=jacobian_storage,
+        parity=parity,
         lm=LmOptions(
             max_num_iterations=max_num_iterations,
             max_solver_time_s=max_solver_time_s,
@@ -184,7 +186,10 @@ def warn_of_unused_options(context: typer.Context, num_cameras: int) -> None:
         return source is not None and source.name == "COMMANDLINE"
 
     solver = context.params["linear_solver"]
-    automatic = solver is choices.LinearSolver.AUTO and num_cameras > _MAX_CAMERAS_FACTORED
+    factored = (
+        context.params["backend"] is choices.Backend.CERES and num_cameras <= _MAX_CAMERAS_FACTORED
+    )
+    automatic = solver is choices.LinearSolver.AUTO and not factored
     if not automatic and solver is not choices.LinearSolver.ITERATIVE_SCHUR:
         for name in _ITERATIVE_ONLY:
             if given(name):

@@ -47,22 +47,29 @@ std::unique_ptr<LinearSolver> make_iterative(const LinearSolverOptions& options,
 
 }  // namespace
 
-void check_linear_solver(const LinearSolverOptions& options) {
+std::string missing_linear_solver(const LinearSolverOptions& options) {
   const LinearSolverType type = options.type;
-  if (type == LinearSolverType::DENSE_NORMAL_CHOLESKY) {
-    throw OptionsError(
-        "LinearSolverOptions.type with backend NATIVE must be one of AUTO, DENSE_SCHUR, "
-        "SPARSE_SCHUR, ITERATIVE_SCHUR, got dense_normal_cholesky; backend CERES has it");
-  }
-  if (type == LinearSolverType::SPARSE_SCHUR) require_sparse_cholesky();
-  if (type != LinearSolverType::ITERATIVE_SCHUR) return;
   const Preconditioner kind = options.preconditioner;
-  if (kind == Preconditioner::CLUSTER_JACOBI || kind == Preconditioner::CLUSTER_TRIDIAGONAL) {
-    throw OptionsError("LinearSolverOptions.preconditioner " + to_string(kind) +
-                       " is backend CERES's; backend NATIVE has two_level for the same problems");
+  if (type == LinearSolverType::DENSE_NORMAL_CHOLESKY) {
+    return "LinearSolverOptions.type with backend NATIVE must be one of AUTO, DENSE_SCHUR, "
+           "SPARSE_SCHUR, ITERATIVE_SCHUR, got dense_normal_cholesky; backend CERES has it";
   }
-  const bool needs_S = kind == Preconditioner::TWO_LEVEL || kind == Preconditioner::STALE_FACTOR;
-  if (needs_S && !options.explicit_schur) {
+  if (type == LinearSolverType::SPARSE_SCHUR && !has_sparse_cholesky()) {
+    return "LinearSolverOptions.type SPARSE_SCHUR with backend NATIVE needs a build with CHOLMOD "
+           "(CMake option RAYLIGN_USE_CHOLMOD); use DENSE_SCHUR, ITERATIVE_SCHUR or backend CERES";
+  }
+  if (type == LinearSolverType::ITERATIVE_SCHUR &&
+      (kind == Preconditioner::CLUSTER_JACOBI || kind == Preconditioner::CLUSTER_TRIDIAGONAL)) {
+    return "LinearSolverOptions.preconditioner " + to_string(kind) +
+           " is backend CERES's; backend NATIVE has two_level for the same problems";
+  }
+  return "";
+}
+
+void check_linear_solver(const LinearSolverOptions& options) {
+  if (options.type != LinearSolverType::ITERATIVE_SCHUR || options.explicit_schur) return;
+  const Preconditioner kind = options.preconditioner;
+  if (kind == Preconditioner::TWO_LEVEL || kind == Preconditioner::STALE_FACTOR) {
     throw OptionsError("LinearSolverOptions.preconditioner " + to_string(kind) +
                        " needs explicit_schur=True: it is made from the blocks of S");
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "raylign/bundle/native/conjugate_gradients.h"
 #include "raylign/bundle/native/linear_solver.h"
@@ -11,7 +12,10 @@
 
 namespace raylign::native {
 
-/// Throws OptionsError for what the native engine does not have, naming the way out.
+/// What the native engine does not have and Ceres has, naming the way out; empty: nothing.
+std::string missing_linear_solver(const LinearSolverOptions& options);
+
+/// Throws OptionsError for what does not go together.
 void check_linear_solver(const LinearSolverOptions& options);
 
 /// The solver that the options name; for AUTO an AutoSolver.

@@ -13,24 +13,18 @@
 namespace raylign::native {
 namespace {
 
-void check_supported(const BundleOptions& options) {
-  if (options.point_parametrization == PointParametrization::INVERSE_DEPTH) {
-    throw OptionsError(
-        "BundleOptions.point_parametrization must be XYZ or HOMOGENEOUS with backend NATIVE, got "
-        "inverse_depth; backend CERES has all three");
-  }
-  check_linear_solver(options.linear_solver);
-}
-
 // The blocks of S have nine rows, whatever the camera.
-void check_free_intrinsics(const BundleScene& scene, const Constants& held) {
+std::string too_many_intrinsics(const BundleScene& scene, const BundleConfig& config) {
+  if (scene.num_intrinsics() <= 3) return "";
+  const Constants held = resolve_constants(scene, config);
   for (std::int64_t i = 0; i < scene.num_cameras(); ++i) {
     const int num_free = count_free(held.intrinsics[i]);
     if (num_free <= 3) continue;
-    throw OptionsError("backend NATIVE moves at most 3 intrinsics of a camera, but camera " +
-                       std::to_string(i) + " has " + std::to_string(num_free) +
-                       " free; hold the others (BundleConfig) or use backend CERES");
+    return "backend NATIVE moves at most 3 intrinsics of a camera, but camera " +
+           std::to_string(i) + " has " + std::to_string(num_free) +
+           " free; hold the others (BundleConfig) or use backend CERES";
   }
+  return "";
 }
 
 // Nothing may move: one row, as from every other solve.
@@ -46,12 +40,25 @@ Summary evaluate_only(ReprojectionProblem& problem, const LmOptions& options, in
 
 }  // namespace
 
+std::string missing_feature(const BundleScene& scene,
+                            const BundleConfig& config,
+                            const BundleOptions& options) {
+  if (options.point_parametrization == PointParametrization::INVERSE_DEPTH) {
+    return "BundleOptions.point_parametrization must be XYZ or HOMOGENEOUS with backend NATIVE, "
+           "got inverse_depth; backend CERES has all three";
+  }
+  const std::string solver = missing_linear_solver(options.linear_solver);
+  return solver.empty() ? too_many_intrinsics(scene, config) : solver;
+}
+
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,
               const IterationCallback& callback,
               const InterruptCheck& interrupted) {
-  check_supported(options);
+  const std::string missing = missing_feature(scene, config, options);
+  if (!missing.empty()) throw OptionsError(missing);
+  check_linear_solver(options.linear_solver);
   if (scene.num_observations() == 0) return nothing_to_adjust("native");
   const Stopwatch clock;
   const ScopedSingleThreadedBlas single_threaded_blas;
@@ -59,7 +66,6 @@ Summary solve(BundleScene& scene,
   if (!invalid.empty()) return failed_summary("native", invalid);
   const Constants held = resolve_constants(scene, config);
   check_point_constants(held, options.point_parametrization);
-  check_free_intrinsics(scene, held);
   const auto stop = [&] {
     return clock.seconds() >= options.lm.max_solver_time_s || (interrupted && interrupted());
   };

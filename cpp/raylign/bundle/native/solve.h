@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "raylign/scene/bundle_scene.h"
 #include "raylign/solver/bundle_config.h"
 #include "raylign/solver/bundle_options.h"
@@ -9,11 +11,16 @@
 
 namespace raylign::native {
 
+/// What of the call the engine does not have, in words that name a way out; empty: it has all.
+/// Inverse-depth points, more than three free intrinsics of a camera, DENSE_NORMAL_CHOLESKY, the
+/// preconditioners of Ceres alone, SPARSE_SCHUR in a build without CHOLMOD.
+std::string missing_feature(const BundleScene& scene,
+                            const BundleConfig& config,
+                            const BundleOptions& options);
+
 /// Solves with raylign's own engine (docs/theory/native-engine.md). Arguments validated by the
 /// caller (bundle/bundle_adjuster.h), which is the front door; the contract is the same. Throws
-/// OptionsError for what the engine does not do: inverse-depth points, more than three free
-/// intrinsics of a pinhole or Brown-Conrady camera, DENSE_NORMAL_CHOLESKY, the preconditioners of
-/// Ceres alone.
+/// OptionsError for a missing feature.
 Summary solve(BundleScene& scene,
               const BundleConfig& config,
               const BundleOptions& options,

@@ -72,8 +72,6 @@ cholmod_sparse* make_graph(const SchurPattern& pattern,
 
 bool has_sparse_cholesky() { return true; }
 
-void require_sparse_cholesky() {}
-
 SparseOrdering order_cameras(const SchurPattern& pattern) {
   std::vector<std::int32_t> nodes(pattern.num_cameras(), -1);
   std::vector<std::int32_t> moving;

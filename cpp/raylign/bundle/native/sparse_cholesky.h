@@ -12,8 +12,6 @@ namespace raylign::native {
 
 /// Whether the library was built with CHOLMOD (CMake option RAYLIGN_USE_CHOLMOD).
 bool has_sparse_cholesky();
-/// Throws OptionsError when it was not.
-void require_sparse_cholesky();
 
 /// A fill-reducing order of the cameras and what a factor in it costs.
 struct SparseOrdering {

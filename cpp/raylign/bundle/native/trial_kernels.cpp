@@ -24,6 +24,30 @@ struct PointView {
   LandmarkBlock block = {};
 };
 
+// A homogeneous point beyond infinity is an ordinary point.
+template <typename Projection>
+RAYLIGN_INLINE bool is_in_front(XyzPoint /*kind*/, const Projection& p) {
+  return p.w > 0.0;
+}
+template <typename Projection>
+RAYLIGN_INLINE bool is_in_front(HomogeneousPoint /*kind*/, const Projection& /*p*/) {
+  return true;
+}
+
+// Far from its model a step may be of any length: a point moves no farther than its distance from
+// the first camera. (A step on the sphere has no such freedom.)
+RAYLIGN_INLINE void shorten(XyzPoint kind, const double* X, const double* c, double* step) {
+  double a[3];
+  ray(kind, X, c, a);
+  const double ratio2 = dot3(step, step) / dot3(a, a);
+  if (!(ratio2 > 1.0)) return;
+  for (int k = 0; k < 3; ++k) step[k] /= std::sqrt(ratio2);
+}
+RAYLIGN_INLINE void shorten(HomogeneousPoint /*kind*/,
+                            const double* /*X*/,
+                            const double* /*c*/,
+                            double* /*step*/) {}
+
 template <typename Point, typename Camera>
 RAYLIGN_INLINE double cost_of_point(Point kind,
                                     Camera camera_kind,
@@ -60,7 +84,7 @@ RAYLIGN_INLINE std::int64_t count_behind(Point kind,
     double P[3];
     transform(kind, camera, X_j, P);
     typename Camera::Projection p;
-    count += project(camera_kind, camera, P, p) && p.w > 0.0 ? 0 : 1;
+    count += project(camera_kind, camera, P, p) && is_in_front(kind, p) ? 0 : 1;
   }
   return count;
 }
@@ -85,7 +109,7 @@ RAYLIGN_INLINE PointView view_point(Point kind,
       ++view.num_behind;
       return view;
     }
-    view.num_behind += p.w > 0.0 ? 0 : 1;
+    view.num_behind += is_in_front(kind, p) ? 0 : 1;
     double r[2];
     residual(camera_kind, camera, p, observations.uv + 2 * q, r);
     ObservationJacobian J;
@@ -119,6 +143,8 @@ RAYLIGN_INLINE double refine_point(Point kind,
     for (int k = 0; k < Point::kStride; ++k) X[k] = X_before[k];
     view = view_point(kind, camera_kind, state, j, step.trial_packets, X);
   }
+  const CameraPacket& first_camera =
+      step.trial_packets[state.observations.camera[state.observations.starts[j]]];
   const double* W = step.factors[j].W;
   const bool held[3] = {W[0] == 0.0, W[3] == 0.0, W[5] == 0.0};
   if (held[0] && held[1] && held[2]) return view.cost;
@@ -132,6 +158,7 @@ RAYLIGN_INLINE double refine_point(Point kind,
     double delta[3];
     multiply(factor.W, z, delta);
     for (double& d : delta) d = -d;
+    shorten(kind, X, first_camera.c, delta);
     double X_next[Point::kStride];
     move_point(kind, tangent_at(kind, X), X, delta, X_next);
     const PointView next = view_point(kind, camera_kind, state, j, step.trial_packets, X_next);
