@@ -23,5 +23,7 @@ void bind_render(pybind11::module_& m);
 void bind_tracking(pybind11::module_& m);
 void bind_odometry(pybind11::module_& m);
 void bind_bundle(pybind11::module_& m);
+void bind_photometric_options(pybind11::module_& m);
+void bind_photometric(pybind11::module_& m);
 
 }  // namespace raylign::python

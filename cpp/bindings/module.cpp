@@ -22,4 +22,6 @@ PYBIND11_MODULE(_core, m) {
   rp::bind_tracking(m);
   rp::bind_odometry(m);
   rp::bind_bundle(m);
+  rp::bind_photometric_options(m);
+  rp::bind_photometric(m);
 }

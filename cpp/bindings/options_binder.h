@@ -177,10 +177,11 @@ class OptionsBinder {
       return py::str(py::type::of(value).attr("__name__")).cast<std::string>() + "." +
              py::str(value.attr("name")).cast<std::string>();
     }
-    if (py::isinstance<py::float_>(value) && py::repr(value).cast<std::string>() == "inf") {
-      return "float('inf')";
+    const std::string text = py::repr(value).cast<std::string>();
+    if (py::isinstance<py::float_>(value) && (text == "inf" || text == "-inf")) {
+      return "float('" + text + "')";
     }
-    return py::repr(value).cast<std::string>();
+    return text;
   }
 
   py::class_<T> cls_;

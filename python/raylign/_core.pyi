@@ -1870,3 +1870,357 @@ def adjust(
     options: BundleOptions,
     callback: Callable[[IterationSummary], bool | None] | None,
 ) -> Summary: ...
+
+class LossScope(enum.Enum):
+    PIXEL = 0
+    PATCH = 1
+
+class LeavingRule(enum.Enum):
+    KEEP_COST = 0
+    ZERO = 1
+
+class PatchBorder(enum.Enum):
+    REPLICATE = 0
+    WRAP = 1
+
+class PatchWarp(enum.Enum):
+    AUTO = 0
+    NONE = 1
+    DEPTH = 2
+    NORMAL = 3
+
+class BrightnessModel(enum.Enum):
+    AFFINE = 0
+    GAIN = 1
+    NONE = 2
+
+class VisibilityRule(enum.Enum):
+    AUTO = 0
+    TRACKS = 1
+    ALL = 2
+
+class CovarianceScope(enum.Enum):
+    NONE = 0
+    POSES = 1
+    ALL = 2
+
+class PatchPattern:
+    @property
+    def name(self) -> str: ...
+    @property
+    def offsets(self) -> NDArray[np.float64]: ...
+    @property
+    def size(self) -> int: ...
+    def __init__(self, offsets: object) -> None: ...
+    @staticmethod
+    def parse(text: str) -> PatchPattern: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class BrightnessOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    model: BrightnessModel
+    prior_sigma_a: float
+    prior_sigma_b: float
+    def __init__(
+        self,
+        *,
+        model: BrightnessModel | str = ...,
+        prior_sigma_a: float = ...,
+        prior_sigma_b: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        model: BrightnessModel | str = ...,
+        prior_sigma_a: float = ...,
+        prior_sigma_b: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class NoiseOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    loss: LossType
+    scope: LossScope
+    scale: float
+    nu: float
+    sensor_sigma: float
+    def __init__(
+        self,
+        *,
+        loss: LossType | str = ...,
+        scope: LossScope | str = ...,
+        scale: float = ...,
+        nu: float = ...,
+        sensor_sigma: float = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        loss: LossType | str = ...,
+        scope: LossScope | str = ...,
+        scale: float = ...,
+        nu: float = ...,
+        sensor_sigma: float = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class VisibilityOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    rule: VisibilityRule
+    max_view_angle: float
+    max_scale_change: float
+    occlusion: float
+    max_residual: float
+    min_zncc: float
+    min_grey: float
+    max_grey: float
+    min_texture: float
+    min_views: int
+    def __init__(
+        self,
+        *,
+        rule: VisibilityRule | str = ...,
+        max_view_angle: float = ...,
+        max_scale_change: float = ...,
+        occlusion: float = ...,
+        max_residual: float = ...,
+        min_zncc: float = ...,
+        min_grey: float = ...,
+        max_grey: float = ...,
+        min_texture: float = ...,
+        min_views: int = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        rule: VisibilityRule | str = ...,
+        max_view_angle: float = ...,
+        max_scale_change: float = ...,
+        occlusion: float = ...,
+        max_residual: float = ...,
+        min_zncc: float = ...,
+        min_grey: float = ...,
+        max_grey: float = ...,
+        min_texture: float = ...,
+        min_views: int = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class PhotometricOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    backend: Backend
+    point_parametrization: PointParametrization
+    pattern: PatchPattern
+    warp: PatchWarp
+    interpolation: SampleInterpolation
+    presmooth: float
+    num_levels: int
+    brightness: BrightnessOptions
+    noise: NoiseOptions
+    visibility: VisibilityOptions
+    refine_poses: bool
+    refine_points: bool
+    refine_intrinsics: bool
+    max_num_rounds: int
+    hold_out: int
+    force: bool
+    covariance: CovarianceScope
+    leaving: LeavingRule
+    max_leaving_share: float
+    border: PatchBorder
+    min_depth: float
+    lm: LmOptions
+    additive_damping: bool
+    def __init__(
+        self,
+        *,
+        backend: Backend | str = ...,
+        point_parametrization: PointParametrization | str = ...,
+        pattern: PatchPattern | str = ...,
+        warp: PatchWarp | str = ...,
+        interpolation: SampleInterpolation | str = ...,
+        presmooth: float = ...,
+        num_levels: int = ...,
+        brightness: BrightnessOptions = ...,
+        noise: NoiseOptions = ...,
+        visibility: VisibilityOptions = ...,
+        refine_poses: bool = ...,
+        refine_points: bool = ...,
+        refine_intrinsics: bool = ...,
+        max_num_rounds: int = ...,
+        hold_out: int = ...,
+        force: bool = ...,
+        covariance: CovarianceScope | str = ...,
+        leaving: LeavingRule | str = ...,
+        max_leaving_share: float = ...,
+        border: PatchBorder | str = ...,
+        min_depth: float = ...,
+        lm: LmOptions = ...,
+        additive_damping: bool = ...,
+    ) -> None: ...
+    def replace(
+        self,
+        *,
+        backend: Backend | str = ...,
+        point_parametrization: PointParametrization | str = ...,
+        pattern: PatchPattern | str = ...,
+        warp: PatchWarp | str = ...,
+        interpolation: SampleInterpolation | str = ...,
+        presmooth: float = ...,
+        num_levels: int = ...,
+        brightness: BrightnessOptions = ...,
+        noise: NoiseOptions = ...,
+        visibility: VisibilityOptions = ...,
+        refine_poses: bool = ...,
+        refine_points: bool = ...,
+        refine_intrinsics: bool = ...,
+        max_num_rounds: int = ...,
+        hold_out: int = ...,
+        force: bool = ...,
+        covariance: CovarianceScope | str = ...,
+        leaving: LeavingRule | str = ...,
+        max_leaving_share: float = ...,
+        border: PatchBorder | str = ...,
+        min_depth: float = ...,
+        lm: LmOptions = ...,
+        additive_damping: bool = ...,
+    ) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+class PointStatus(enum.Enum):
+    OK = 0
+    FEW_VIEWS = 1
+    OUT_OF_VIEW = 2
+    OCCLUDED = 3
+    LOW_TEXTURE = 4
+    SATURATED = 5
+    DIVERGED = 6
+    FIXED = 7
+
+class EdgeStatus(enum.Enum):
+    OK = 0
+    BEHIND = 1
+    OUT_OF_VIEW = 2
+    OBLIQUE = 3
+    SCALE_CHANGE = 4
+    OCCLUDED = 5
+    SATURATED = 6
+    MISMATCH = 7
+    NOT_USED = 8
+
+class PhotometricProblem:
+    def __init__(
+        self, *, images: list[Any], masks: list[Any], max_levels: int, arrays: dict[str, Any]
+    ) -> None: ...
+    def validate(self, *, pattern_size: int) -> None: ...
+    def default_gauge(self) -> Gauge: ...
+    def image(self, index: int) -> NDArray[Any]: ...
+
+class PhotometricResult:
+    @property
+    def T_cw(self) -> NDArray[np.float64]: ...
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def brightness(self) -> NDArray[np.float64]: ...
+    @property
+    def intrinsics(self) -> NDArray[np.float64]: ...
+    @property
+    def accepted(self) -> bool: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def num_hold_out(self) -> int: ...
+    @property
+    def hold_out_cost_before(self) -> float: ...
+    @property
+    def hold_out_cost_after(self) -> float: ...
+    @property
+    def messages(self) -> list[str]: ...
+    @property
+    def point_status(self) -> NDArray[np.uint8]: ...
+    @property
+    def edge_status(self) -> NDArray[np.uint8]: ...
+    @property
+    def edge_image(self) -> NDArray[np.int32]: ...
+    @property
+    def edge_point(self) -> NDArray[np.int32]: ...
+    @property
+    def edge_rms_before(self) -> NDArray[np.float64]: ...
+    @property
+    def edge_rms_after(self) -> NDArray[np.float64]: ...
+    @property
+    def point_rms_before(self) -> NDArray[np.float64]: ...
+    @property
+    def point_rms_after(self) -> NDArray[np.float64]: ...
+    @property
+    def image_rms_before(self) -> NDArray[np.float64]: ...
+    @property
+    def image_rms_after(self) -> NDArray[np.float64]: ...
+    @property
+    def shift_px(self) -> NDArray[np.float64]: ...
+    @property
+    def hosts(self) -> NDArray[np.int32]: ...
+    @property
+    def host_uv(self) -> NDArray[np.float64]: ...
+    @property
+    def patches(self) -> NDArray[np.float32]: ...
+    @property
+    def normals(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma(self) -> float: ...
+    @property
+    def nu(self) -> float: ...
+    @property
+    def threshold(self) -> float: ...
+    @property
+    def gauge(self) -> str: ...
+    @property
+    def summary(self) -> Summary: ...
+    @property
+    def rounds(self) -> NDArray[Any]: ...
+    @property
+    def pose_covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def point_covariances(self) -> NDArray[np.float64]: ...
+
+def adjust_photometric(
+    problem: PhotometricProblem,
+    *,
+    config: BundleConfig,
+    options: PhotometricOptions,
+    callback: Callable[[IterationSummary], bool | None] | None,
+) -> PhotometricResult: ...

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-PYTHON_LAYERS = {"facade": 1, "io": 2, "datasets": 2, "viz": 3, "cli": 4}
+PYTHON_LAYERS = {"facade": 1, "io": 2, "datasets": 2, "photometric": 2, "viz": 3, "cli": 4}
 
 
 def load_script(name: str):
