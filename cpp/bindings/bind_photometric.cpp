@@ -232,6 +232,13 @@ void bind_covariances(py::class_<Result>& cls) {
   cls.def_property_readonly(
       "point_covariances", [](const Result& r) { return matrices(r.point_covariances, 3); },
       "(N, 3, 3) world frame, NaN where there is none; (0, 3, 3): not asked for.");
+  cls.def_readonly("shared_noise", &Result::shared_noise,
+                   "Share of a residual's variance that is the patch's own noise; −1: unknown.");
+  cls.def_readonly("covariance_overlap", &Result::covariance_overlap,
+                   "Patches that a pixel belongs to on average: above 1, residuals repeat each "
+                   "other and covariances are too small by up to this factor.");
+  cls.def_readonly("free_directions", &Result::free_directions,
+                   "Directions that nothing determines; −1: covariances were not asked for.");
 }
 
 void bind_result(py::module_& m) {

@@ -107,6 +107,12 @@ name will do: "4x4" (offsets −2 … 1, by columns), "3x3", "5x5", "spread8" (D
       .def_property_readonly("offsets", &offsets_of, "(n, 2) float64 (du, dv), px.")
       .def_property_readonly("size", &P::size, "n.")
       .def(py::self == py::self)
+      .def(
+          "to_dict",
+          [](const P& self) {
+            return py::dict(py::arg("name") = self.name, py::arg("offsets") = offsets_of(self));
+          },
+          "Name and offsets.")
       .def("__repr__", &pattern_repr)
       .def("__copy__", [](const P& self) { return P(self); })
       .def("__deepcopy__", [](const P& self, const py::dict&) { return P(self); })

@@ -6,7 +6,17 @@ from typing import Annotated
 import typer
 
 from raylign import __version__
-from raylign.cli import bundle, convert, demo, download, evaluate, info, synthetic, track
+from raylign.cli import (
+    bundle,
+    convert,
+    demo,
+    download,
+    evaluate,
+    info,
+    photometric,
+    synthetic,
+    track,
+)
 from raylign.cli._errors import PlainCommand, ReportingGroup
 
 __all__ = ["app", "main"]
@@ -25,6 +35,7 @@ app.command("demo", cls=PlainCommand)(demo.demo)
 app.command("download", cls=PlainCommand)(download.download)
 app.command("evaluate", cls=PlainCommand)(evaluate.evaluate)
 app.command("info", cls=PlainCommand)(info.info)
+app.command("photometric", cls=PlainCommand)(photometric.photometric)
 app.command("track", cls=PlainCommand)(track.track)
 app.add_typer(synthetic.app, name="synthetic")
 
@@ -43,7 +54,7 @@ def _common(
     ] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
 ) -> None:
-    """Bundle adjustment of BAL problems, and evaluation of camera trajectories."""
+    """Bundle adjustment from pixels or from grey values, direct tracking, evaluation."""
 
 
 def main() -> None:

@@ -49,13 +49,17 @@ def _mark(row: Any) -> str:
     return " x" if row.step_is_valid else " !"
 
 
-def g2o_line(row: Any) -> str:
+def g2o_line(
+    row: Any, *, iteration: int | None = None, time_s: float | None = None, num_trials: int = 1
+) -> str:
     """One iteration as g2o's block solver logs it; chi2 = 2 · cost."""
     return (
-        f"iteration= {row.iteration}  chi2= {2.0 * row.cost:.6f}  "
-        f"time= {row.iteration_time_s:.6g}  cumTime= {row.cumulative_time_s:.6g}  "
+        f"iteration= {row.iteration if iteration is None else iteration}  "
+        f"chi2= {2.0 * row.cost:.6f}  "
+        f"time= {row.iteration_time_s if time_s is None else time_s:.6g}  "
+        f"cumTime= {row.cumulative_time_s:.6g}  "
         f"edges= {row.num_residual_blocks}  schur= 1  "
-        f"lambda= {row.lambda_:.6f}  levenbergIter= 1"
+        f"lambda= {row.lambda_:.6f}  levenbergIter= {num_trials}"
     )
 
 
@@ -98,6 +102,54 @@ class SolveDisplay:
             say(self._console, table_row(row), style="red" if _mark(row) else None)
         if self._progress is not None:
             self._progress.update(self._task, completed=row.iteration)
+
+
+class PhotometricDisplay:
+    """Callback of `raylign.photometric.adjust` that prints each iteration.
+
+    G2O counts as g2o does: an iteration ends with a step that is accepted, its refused trials are
+    its levenbergIter, and the first line, iteration 0, comes after the first step.
+    """
+
+    def __init__(self, console: Console, log: LogStyle) -> None:
+        self._console = console
+        self._log = log
+        self._num_lines = 0
+        self._num_trials = 0
+        self._trials_time_s = 0.0
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator["PhotometricDisplay"]:
+        """Show that something goes on; pipes and files get plain lines."""
+        if self._log is LogStyle.TABLE:
+            say(self._console, table_header(), style="bold")
+        columns = (TextColumn("[bold]solving"), BarColumn(), TimeElapsedColumn())
+        disable = not self._console.is_terminal
+        with Progress(*columns, console=self._console, transient=True, disable=disable) as bar:
+            bar.add_task("solve", total=None)
+            yield self
+
+    def __call__(self, row: Any) -> None:
+        """Print one iteration; None lets the solve go on."""
+        if self._log is LogStyle.TABLE:
+            say(self._console, table_row(row), style="red" if _mark(row) else None)
+            return
+        if row.iteration == 0:
+            say(self._console, f"start chi2= {2.0 * row.cost:.6f}")
+            return
+        self._num_trials += 1
+        self._trials_time_s += row.iteration_time_s
+        if not row.step_is_accepted:
+            return
+        line = g2o_line(
+            row,
+            iteration=self._num_lines,
+            time_s=self._trials_time_s,
+            num_trials=self._num_trials,
+        )
+        say(self._console, line)
+        self._num_lines += 1
+        self._num_trials, self._trials_time_s = 0, 0.0
 
 
 @contextlib.contextmanager

@@ -13,11 +13,14 @@ _LEAST_DEPTH = 1e-9
 
 
 def view_values(result: Any, edges: AnyArray, *, start: bool = False) -> F64:
-    """(len(edges), n) grey values in the brightness of the patch; NaN outside of the image."""
+    """(len(edges), n) grey values in the brightness of the patch; NaN outside of the image.
+
+    At the start, too, with the brightness that was found: the difference is motion.
+    """
     core, problem, options = result._core, result.problem, result.options
-    state = problem if start else core
-    T_cw, points = state.T_cw, state.points
-    brightness = np.zeros((problem.num_images, 2)) if start else core.brightness
+    T_cw = problem.T_cw if start else core.T_cw
+    points = problem.points if start else core.points
+    brightness = core.brightness
     image, point = core.edge_image[edges], core.edge_point[edges]
     host = core.hosts[point]
     offsets = options.pattern.offsets

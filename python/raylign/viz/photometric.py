@@ -213,10 +213,10 @@ def plot_images(result: PhotometricResult) -> Figure:
         result: of `raylign.photometric.adjust`.
 
     Returns:
-        Figure with three panels over the images.
+        Figure with four panels over the images.
     """
     figure = style.new_figure(13.5, 3.4, "Images", _size(result))
-    shift, residual, brightness = figure.subplots(1, 3)
+    shift, residual, gain, offset = figure.subplots(1, 4)
     x = np.arange(result.problem.num_images)
     shift.bar(x, np.nan_to_num(result.shift_px), color=style.AFTER, width=0.6)
     shift.set_ylabel("median motion of the points [px]")
@@ -228,14 +228,13 @@ def plot_images(result: PhotometricResult) -> Figure:
     residual.set_ylim(bottom=0.0)
     residual.set_ylabel("RMS residual [grey levels]")
     residual.legend()
-    brightness.plot(x, np.exp(result.brightness[:, 0]), "o", color=style.AFTER, label="gain $e^a$")
-    brightness.axhline(1.0, color=style.MUTED, linewidth=0.8)
-    brightness.set_ylabel("gain $e^a$")
-    offset = brightness.twinx()
-    offset.plot(x, result.brightness[:, 1], "s", color=style.ACCENT, markersize=4)
-    offset.set_ylabel("offset b [grey levels]", color=style.ACCENT)
-    offset.grid(visible=False)
-    for axes in (shift, residual, brightness):
+    gain.plot(x, np.exp(result.brightness[:, 0]), "o", color=style.AFTER)
+    gain.set_ylabel("gain $e^a$")
+    offset.plot(x, result.brightness[:, 1], "o", color=style.AFTER)
+    offset.set_ylabel("offset b [grey levels]")
+    for axes, neutral in ((gain, 1.0), (offset, 0.0)):
+        axes.axhline(neutral, color=style.MUTED, linewidth=0.8)
+    for axes in (shift, residual, gain, offset):
         axes.set_xlabel("image")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
