@@ -44,6 +44,15 @@ void check_combination(const PhotometricProblem& problem, const PhotometricOptio
   }
 }
 
+void check(const PhotometricProblem& problem,
+           const BundleConfig& config,
+           const PhotometricOptions& options) {
+  options.validate();
+  problem.validate(options.pattern.size());
+  config.validate(problem.num_images(), problem.num_points(), param_names(CameraModel::PINHOLE));
+  check_combination(problem, options);
+}
+
 bool moves_cameras(const PatchConstraints& constraints) {
   return !std::all_of(constraints.poses.begin(), constraints.poses.end(),
                       [](const PoseMask& mask) { return mask.all(); });
@@ -81,9 +90,7 @@ class Adjustment {
 
   PhotometricResult run() {
     given_ = start_;
-    if (setting_.problem.brightness.rows() == 0) {
-      start_.brightness = estimate_brightness(setting_, start_, plan_.num_levels - 1);
-    }
+    start_brightness(plan_.num_levels - 1);
     Refinement refinement(setting_, base_, start_);
     PhotometricState state = start_;
     const std::vector<bool> held_out = choose_held_out(setting_, base_);
@@ -100,7 +107,21 @@ class Adjustment {
     return report(refinement, state);
   }
 
+  FrozenProblem freeze() {
+    start_brightness(0);
+    const std::vector<bool> all(setting_.num_points(), true);
+    Refinement refinement(setting_, base_, start_);
+    const Views views = find_views(setting_, start_, 0);
+    refinement.set_law(estimate_law(setting_, views, all));
+    return refinement.make_solve(views, all);
+  }
+
  private:
+  void start_brightness(int level) {
+    if (setting_.problem.brightness.rows() > 0) return;
+    start_.brightness = estimate_brightness(setting_, start_, level);
+  }
+
   bool returns_refined() const { return result_.accepted || options_.force; }
 
   void accept(const RoundLaw& law, const std::vector<bool>& held_out, PhotometricState& state) {
@@ -122,6 +143,8 @@ class Adjustment {
   }
 
   PhotometricResult report(const Refinement& refinement, const PhotometricState& refined) {
+    result_.messages.insert(result_.messages.end(), refinement.messages().begin(),
+                            refinement.messages().end());
     const PhotometricState& state = returns_refined() ? refined : given_;
     store(state, given_, setting_.problem, result_);
     const Views before = find_views(setting_, start_, 0);
@@ -142,7 +165,7 @@ class Adjustment {
     if (options_.covariance == CovarianceScope::NONE) return;
     CovarianceOptions options;
     options.points = options_.covariance == CovarianceScope::ALL;
-    const Refinement::Solve solve =
+    const FrozenProblem solve =
         refinement.make_solve(views, std::vector<bool>(setting_.num_points(), true));
     if (solve.scene.num_edges() == 0) return;
     PhotometricCovariance covariance =
@@ -173,12 +196,20 @@ PhotometricResult adjust(const PhotometricProblem& problem,
                          const IterationCallback& callback,
                          const InterruptCheck& interrupted) {
   const Stopwatch clock;
-  options.validate();
-  problem.validate(options.pattern.size());
-  config.validate(problem.num_images(), problem.num_points(), param_names(CameraModel::PINHOLE));
-  check_combination(problem, options);
+  check(problem, config, options);
   Progress progress(options, clock, callback, interrupted);
   return Adjustment(problem, config, options, progress).run();
+}
+
+FrozenProblem freeze(const PhotometricProblem& problem,
+                     const BundleConfig& config,
+                     const PhotometricOptions& options) {
+  check(problem, config, options);
+  const Stopwatch clock;
+  const IterationCallback no_callback;
+  const InterruptCheck never;
+  Progress unused(options, clock, no_callback, never);
+  return Adjustment(problem, config, options, unused).freeze();
 }
 
 }  // namespace raylign

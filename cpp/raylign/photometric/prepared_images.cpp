@@ -53,7 +53,8 @@ Plane<std::uint8_t> halved(const Plane<std::uint8_t>& fine) {
     const std::uint8_t* upper = fine.row(2 * v);
     const std::uint8_t* lower = fine.row(2 * v + 1);
     for (int u = 0; u < coarse.width(); ++u) {
-      coarse.at(u, v) = upper[2 * u] & upper[2 * u + 1] & lower[2 * u] & lower[2 * u + 1];
+      const int count = upper[2 * u] + upper[2 * u + 1] + lower[2 * u] + lower[2 * u + 1];
+      coarse.at(u, v) = count >= 2 ? 1 : 0;
     }
   }
   return coarse;

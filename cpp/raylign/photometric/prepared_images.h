@@ -14,7 +14,9 @@
 
 namespace raylign::photometric {
 
-/// Which pixels of an image count, level by level: a pixel of a level does when the four below do.
+/// Which pixels of an image count, level by level: a pixel of a level does when half of the four
+/// below do. Their mean is little off then, and coarse levels keep enough pixels to bring the fine
+/// ones near.
 class PixelMask {
  public:
   PixelMask() = default;  ///< every pixel counts

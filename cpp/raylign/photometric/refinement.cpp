@@ -13,8 +13,14 @@ namespace raylign::photometric {
 namespace {
 
 constexpr int kRoundsWithNewLaw = 2;      // then the law stays, so that the cost of a level is one
-constexpr double kSettledMotion = 0.005;  // px of the level, median over the edges
-constexpr double kShortestSolve = 1e-3;   // s
+constexpr double kSettledMotion = 0.005;  // px, median over the edges
+// Coarse levels only bring the next one near: a looser end of their rounds and solves.
+constexpr double kSettledCoarseMotion = 0.03;  // px of the level
+constexpr double kCoarseTolerance = 1e-4;
+constexpr int kMinEdgesPerImage = 8;  // fewer do not move a camera
+constexpr double kMinShareOfPoints =
+    0.25;                                // of those that level 0 can use: else a level is skipped
+constexpr double kShortestSolve = 1e-3;  // s
 
 // Lengths that the projections of the edges have moved by, px of level 0.
 std::vector<double> motions(const PatchScene& before, const PatchScene& after) {
@@ -34,6 +40,27 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+// Holds what too few patches say anything about: a camera in whose image they are seen, or which
+// they were read from.
+void hold_unseen_images(const Setting& setting,
+                        const PatchScene& scene,
+                        PatchConstraints& constraints) {
+  std::vector<int> counts(scene.poses.size(), 0);
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
+      if (setting.is_host(p, scene.edges[e].image)) continue;
+      ++counts[scene.edges[e].image];
+      if (scene.hosts[p] >= 0) ++counts[scene.hosts[p]];
+    }
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] >= kMinEdgesPerImage) continue;
+    constraints.poses[i].translation.fill(true);
+    constraints.poses[i].rotation = true;
+    constraints.brightness[i] = {true, true};
+  }
 }
 
 std::int64_t num_points_with_edges(const PatchScene& scene) {
@@ -121,13 +148,13 @@ void Progress::append(const Summary& part) {
   summary_ = std::move(total);
 }
 
-Refinement::Solve Refinement::make_solve(const Views& views,
-                                         const std::vector<bool>& active) const {
+FrozenProblem Refinement::make_solve(const Views& views, const std::vector<bool>& active) const {
   const PhotometricOptions& options = setting_.options;
-  Solve solve;
+  FrozenProblem solve;
   solve.scene = used_scene(views, active);
   solve.constraints = base_;
   hold_unused(solve.scene, base_.points, solve.constraints);
+  hold_unseen_images(setting_, solve.scene, solve.constraints);
   set_priors(setting_, start_, law_.unit, solve.constraints);
   solve.options.loss = law_.loss;
   solve.options.scope = options.noise.scope;
@@ -149,14 +176,28 @@ void Refinement::run(const Plan& plan,
                      PhotometricState& state) {
   if (plan.law != nullptr) law_ = *plan.law;
   for (int level = plan.num_levels - 1; level >= 0; --level) {
+    if (level > 0 && !is_worth_solving(level, active, state)) continue;
     for (int round = 0; round < plan.max_num_rounds; ++round) {
       const bool estimate = plan.law == nullptr && round < kRoundsWithNewLaw;
       const double motion = run_round(level, active, estimate, progress, state);
       rounds_.back().round = round;
       if (progress != nullptr && progress->is_over()) return;
-      if (motion < std::ldexp(kSettledMotion, level)) break;
+      if (motion < (level > 0 ? std::ldexp(kSettledCoarseMotion, level) : kSettledMotion)) break;
     }
   }
+}
+
+bool Refinement::is_worth_solving(int level,
+                                  const std::vector<bool>& active,
+                                  const PhotometricState& state) {
+  const auto count = [&](int l) {
+    return num_points_with_edges(used_scene(find_views(setting_, state, l), active));
+  };
+  const std::int64_t here = count(level);
+  if (static_cast<double>(here) >= kMinShareOfPoints * static_cast<double>(count(0))) return true;
+  messages_.push_back("level " + std::to_string(level) + " was skipped: it can use " +
+                      std::to_string(here) + " points only");
+  return false;
 }
 
 double Refinement::run_round(int level,
@@ -166,7 +207,11 @@ double Refinement::run_round(int level,
                              PhotometricState& state) {
   const Views views = find_views(setting_, state, level);
   if (estimate) law_ = estimate_law(setting_, views, active);
-  Solve solve = make_solve(views, active);
+  FrozenProblem solve = make_solve(views, active);
+  if (level > 0) {
+    LmOptions& lm = solve.options.lm;
+    lm.function_tolerance = std::max(lm.function_tolerance, kCoarseTolerance);
+  }
   PatchScene& scene = solve.scene;
   const PatchScene before = scene;
   const Summary summary = progress != nullptr

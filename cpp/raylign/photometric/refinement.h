@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "raylign/base/stopwatch.h"
 #include "raylign/patch/patch_solve_options.h"
+#include "raylign/photometric/frozen.h"
 #include "raylign/photometric/noise_law.h"
 #include "raylign/photometric/views.h"
 #include "raylign/solver/summary.h"
@@ -68,19 +70,16 @@ class Refinement {
            Progress* progress,
            PhotometricState& state);
 
-  /// A solve, ready to run.
-  struct Solve {
-    PatchScene scene;
-    PatchConstraints constraints;
-    PatchSolveOptions options;
-  };
-  /// Of the OK edges of `active`, under the law of the last round.
-  Solve make_solve(const Views& views, const std::vector<bool>& active) const;
+  /// A solve of the OK edges of `active`, under the law of the last round.
+  FrozenProblem make_solve(const Views& views, const std::vector<bool>& active) const;
 
+  void set_law(const RoundLaw& law) { law_ = law; }
   const std::vector<PhotometricRound>& rounds() const { return rounds_; }
-  const RoundLaw& law() const { return law_; }  ///< of the last round
+  const RoundLaw& law() const { return law_; }                            ///< of the last round
+  const std::vector<std::string>& messages() const { return messages_; }  ///< for the user
 
  private:
+  bool is_worth_solving(int level, const std::vector<bool>& active, const PhotometricState& state);
   double run_round(int level,
                    const std::vector<bool>& active,
                    bool estimate,
@@ -92,6 +91,7 @@ class Refinement {
   const PatchConstraints& base_;
   const PhotometricState& start_;
   std::vector<PhotometricRound> rounds_;
+  std::vector<std::string> messages_;
   RoundLaw law_;
 };
 
