@@ -84,8 +84,11 @@ Sample<double> central_difference(const PatchPlane& plane, double u, double v) {
   const auto value = [&](double at_u, double at_v) {
     return bilinear(plane, at_u, at_v, unused_u, unused_v);
   };
-  return {value(u, v), 0.5 * (value(u + 1.0, v) - value(u - 1.0, v)),
-          0.5 * (value(u, v + 1.0) - value(u, v - 1.0))};
+  // the exercise reads the cell of the first column (row) for the one before it, too
+  const double left = u < 1.0 ? u : u - 1.0;
+  const double up = v < 1.0 ? v : v - 1.0;
+  return {value(u, v), 0.5 * (value(u + 1.0, v) - value(left, v)),
+          0.5 * (value(u, v + 1.0) - value(u, up))};
 }
 
 Sample<double> spline(const PatchPlane& plane, double u, double v) {

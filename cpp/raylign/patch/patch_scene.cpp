@@ -52,25 +52,6 @@ Vector3 camera_point(const PatchScene& scene, std::int64_t point, const PatchEdg
          scene.points(point, 0) * T.topRightCorner<3, 1>();
 }
 
-using PixelPositions = std::array<std::array<double, 2>, PatchPattern::kMaxPixels>;
-
-// Where the pixels are read; false when one of them is outside.
-bool place_pixels(const PatchPattern& pattern,
-                  const PatchEdge& edge,
-                  const Vector2& uv,
-                  const PatchPlane& plane,
-                  PixelPositions& at) {
-  const double scale = std::ldexp(1.0, -edge.level);
-  const double u = (uv.x() + 0.5) * scale - 0.5;
-  const double v = (uv.y() + 0.5) * scale - 0.5;
-  for (int n = 0; n < pattern.size(); ++n) {
-    const auto& o = pattern.offsets[n];
-    at[n] = {u + edge.A[0] * o[0] + edge.A[1] * o[1], v + edge.A[2] * o[0] + edge.A[3] * o[1]};
-    if (!plane.contains(at[n][0], at[n][1])) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 void PatchScene::validate() const {
@@ -128,23 +109,30 @@ EdgeSample evaluate_edge(const PatchScene& scene, std::int64_t point, const Patc
   const PinholeCamera camera = camera_of(scene, edge.image);
   sample.uv = {camera.fx() * sample.q.x() / sample.q.z() + camera.cx(),
                camera.fy() * sample.q.y() / sample.q.z() + camera.cy()};
-  const PatchPlane& plane = scene.images[edge.image]->plane(edge.level);
-  PixelPositions at;
-  if (!place_pixels(scene.pattern, edge, sample.uv, plane, at)) return sample;
-  sample.is_seen = true;
   sample.brightness = edge_brightness(scene, point, edge);
-  const double gain = sample.brightness.gain;
-  const double slope = gain * std::ldexp(1.0, -edge.level);
-  const float* c = scene.patch(point);
-  for (int n = 0; n < scene.pattern.size(); ++n) {
-    const Sample<double> I = sample_patch_plane(plane, scene.interpolation, at[n][0], at[n][1]);
-    sample.value[n] = gain * I.value;
-    sample.gradient[n] = {slope * I.du, slope * I.dv};
-    if (!sample.counts(edge, n)) continue;
-    sample.residual[n] =
-        photometric_residual<double>(c[n], I.value, gain, sample.brightness.offset);
+  const PatchPlane& plane = scene.images[edge.image]->plane(edge.level);
+  const double scale = std::ldexp(1.0, -edge.level);
+  const double slope = sample.brightness.gain * scale;
+  Vector2 centre = (sample.uv.array() + 0.5) * scale - 0.5;  // px of the level
+  if (scene.interpolation == SampleInterpolation::CENTRAL_DIFFERENCE) {
+    centre = centre.cast<float>().cast<double>();  // as the original exercise
   }
-  return sample;
+  const float* c = scene.patch(point);
+  EdgeSample out = sample;
+  for (int n = 0; n < scene.pattern.size(); ++n) {
+    const auto& o = scene.pattern.offsets[n];
+    const double u = centre.x() + edge.A[0] * o[0] + edge.A[1] * o[1];
+    const double v = centre.y() + edge.A[2] * o[0] + edge.A[3] * o[1];
+    if (!plane.contains(u, v)) return sample;
+    const Sample<double> I = sample_patch_plane(plane, scene.interpolation, u, v);
+    out.value[n] = sample.brightness.gain * I.value;
+    out.gradient[n] = {slope * I.du, slope * I.dv};
+    if (!out.counts(edge, n)) continue;
+    out.residual[n] = photometric_residual<double>(c[n], I.value, sample.brightness.gain,
+                                                   sample.brightness.offset);
+  }
+  out.is_seen = true;
+  return out;
 }
 
 EdgeMotion edge_motion(const PatchScene& scene,

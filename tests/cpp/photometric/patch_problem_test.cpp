@@ -52,6 +52,11 @@ std::vector<Case> cases() {
     o.width = 320;
     o.height = 240;
   });
+  const auto exercise = scene_with([](auto& o) {
+    o.hosted = false;
+    o.border = PatchBorder::WRAP;
+    o.interpolation = SampleInterpolation::CENTRAL_DIFFERENCE;
+  });
   const auto each = scene_with([](auto& o) { o.intrinsics_per_image = true; });
   return {
       {"StudentT", plain},
@@ -59,6 +64,8 @@ std::vector<Case> cases() {
       {"SquareBilinear", bilinear, {LossType::HUBER, 2.0, 5.0}, LossScope::PIXEL, false, true},
       {"SquareInverseDepth", inverse, {LossType::HUBER, 2.0, 5.0}, LossScope::PIXEL, false, true},
       {"InverseDepth", inverse},
+      {"InverseDepthIntrinsics", inverse, {LossType::STUDENT_T, 3.0, 5.0}, LossScope::PIXEL, true},
+      {"Exercise", exercise, {LossType::HUBER, 1.0, 5.0}, LossScope::PATCH, false, true},
       {"Stored", stored, {LossType::CAUCHY, 4.0, 5.0}},
       {"Huber", plain, {LossType::HUBER, 2.0, 5.0}},
       {"LeastSquares", bilinear, {LossType::TRIVIAL, 1.0, 5.0}},
@@ -130,6 +137,8 @@ class DenseReference {
     if (scene_.hosts[p] < 0) return J;
     const std::int64_t host = 8 * scene_.hosts[p];
     J.segment<6>(host) -= (gradient * motion.host_pose).transpose();
+    J.segment<4>(8 * scene_.num_images() + 4 * scene_.intrinsics_row(scene_.hosts[p])) -=
+        (gradient * motion.host_intrinsics).transpose();
     J[host + 6] += sample.value[n] + b.offset;
     J[host + 7] += b.host_gain;
     return J;

@@ -67,11 +67,22 @@ RAYLIGN_INLINE void host_motion(const ImagePacket& host,
     F_h[row][3] = -(point.ray[1] * Q[2] - point.ray[2] * Q[1]);
     F_h[row][4] = -(point.ray[2] * Q[0] - point.ray[0] * Q[2]);
     F_h[row][5] = -(point.ray[0] * Q[1] - point.ray[1] * Q[0]);
+    if (C > 8) {  // the ray is K_h⁻¹ u_h
+      F_h[row][C - 4] = -Q[0] * point.ray[0] / host.fx;
+      F_h[row][C - 3] = -Q[1] * point.ray[1] / host.fy;
+      F_h[row][C - 2] = -Q[0] / host.fx;
+      F_h[row][C - 1] = -Q[1] / host.fy;
+    }
     motion.P[row][0] = f[row] * (image.t[row] - xy[row] * image.t[2]) -
                        (Q[0] * host.t[0] + Q[1] * host.t[1] + Q[2] * host.t[2]);
     motion.P[row][1] = motion.P[row][2] = 0.0;
   }
 }
+
+using D4 = double __attribute__((vector_size(32)));
+
+RAYLIGN_INLINE void load(const double* p, D4& v) { __builtin_memcpy(&v, p, sizeof(v)); }
+RAYLIGN_INLINE void store(const D4& v, double* p) { __builtin_memcpy(p, &v, sizeof(v)); }
 
 // The four rows of an image's F times T: rows 2 and 3 of F hold one number each, at a and b.
 template <int C>
@@ -79,8 +90,13 @@ RAYLIGN_INLINE void multiply_tensor(const EdgeTensor& e,
                                     const double (*F)[C],
                                     double host_gain,
                                     double (*TF)[C]) {
+  for (int k = 0; k < C; k += 4) {
+    D4 f0, f1;
+    load(F[0] + k, f0);
+    load(F[1] + k, f1);
+    for (int row = 0; row < 4; ++row) store(e.T[row][0] * f0 + e.T[row][1] * f1, TF[row] + k);
+  }
   for (int row = 0; row < 4; ++row) {
-    for (int k = 0; k < C; ++k) TF[row][k] = e.T[row][0] * F[0][k] + e.T[row][1] * F[1][k];
     TF[row][6] = e.T[row][2];
     TF[row][7] = e.T[row][3] * host_gain;
   }
@@ -93,33 +109,51 @@ RAYLIGN_INLINE void add_image(const EdgeTensor& e,
                               double host_gain,
                               double* H,
                               double* g) {
-  for (int i = 0; i < C; ++i) {
-    if (i == 6 || i == 7) continue;
-    const double f0 = motion.F[0][i];
-    const double f1 = motion.F[1][i];
-    for (int k = 0; k < C; ++k) H[i * C + k] += f0 * TF[0][k] + f1 * TF[1][k];
-    g[i] -= f0 * e.v[0] + f1 * e.v[1];
+  const double v[4] = {e.v[0], e.v[1], e.v[2], host_gain * e.v[3]};
+  for (int k = 0; k < C; k += 4) {
+    D4 t[4], f0, f1, sum;
+    for (int row = 0; row < 4; ++row) load(TF[row] + k, t[row]);
+    for (int i = 0; i < C; ++i) {
+      load(H + i * C + k, sum);
+      if (i == 6) {
+        sum += t[2];
+      } else if (i == 7) {
+        sum += host_gain * t[3];
+      } else {
+        sum += motion.F[0][i] * t[0] + motion.F[1][i] * t[1];
+      }
+      store(sum, H + i * C + k);
+    }
+    load(motion.F[0] + k, f0);
+    load(motion.F[1] + k, f1);
+    load(g + k, sum);
+    store(sum - (v[0] * f0 + v[1] * f1), g + k);
   }
-  for (int k = 0; k < C; ++k) {
-    H[6 * C + k] += TF[2][k];
-    H[7 * C + k] += host_gain * TF[3][k];
-  }
-  g[6] -= e.v[2];
-  g[7] -= host_gain * e.v[3];
+  g[6] -= v[2];
+  g[7] -= v[3];
 }
 
 template <int C>
 RAYLIGN_INLINE void add_point(const EdgeTensor& e,
                               const Motion<C>& motion,
                               const double (*TF)[C],
+                              int point_size,
                               double* W,
                               PointBlock& block) {
   const double (*P)[3] = motion.P;
+  for (int k = 0; k < C; k += 4) {
+    D4 t0, t1, sum;
+    load(TF[0] + k, t0);
+    load(TF[1] + k, t1);
+    for (int d = 0; d < point_size; ++d) {
+      load(W + d * C + k, sum);
+      store(sum + (P[0][d] * t0 + P[1][d] * t1), W + d * C + k);
+    }
+  }
   double GP[2][3];
   for (int d = 0; d < 3; ++d) {
     GP[0][d] = e.T[0][0] * P[0][d] + e.T[0][1] * P[1][d];
     GP[1][d] = e.T[1][0] * P[0][d] + e.T[1][1] * P[1][d];
-    for (int k = 0; k < C; ++k) W[d * C + k] += P[0][d] * TF[0][k] + P[1][d] * TF[1][k];
     block.g[d] -= P[0][d] * e.v[0] + P[1][d] * e.v[1];
   }
   int n = 0;
@@ -210,7 +244,8 @@ RAYLIGN_INLINE void add_edge(const PatchArrays& arrays,
                out.diagonal + static_cast<std::int64_t>(edge.image) * C * C,
                out.gradient + static_cast<std::int64_t>(edge.image) * C);
   double* W = out.W + arrays.slot_starts[p] * 3 * C;
-  add_point<C>(tensor, motion, TF, W + edge.slot * 3 * C, out.points[p]);
+  const int point_size = arrays.inverse_depth ? 1 : 3;
+  add_point<C>(tensor, motion, TF, point_size, W + edge.slot * 3 * C, out.points[p]);
   if (host < 0) return;
   F_h[2][6] = -1.0;
   F_h[3][6] = -brightness.offset;

@@ -40,7 +40,7 @@ enum class Reader {
   SQUARE_BILINEAR,
   BSPLINE,  ///< any pattern, any warp
   BILINEAR,
-  CENTRAL_DIFFERENCE,
+  CENTRAL_DIFFERENCE,  ///< of the original exercise, pixel coordinates in single precision
 };
 
 /// The robust law; LOG is Cauchy and Student's t: ρ(s) = k log(1 + s / k).
@@ -71,9 +71,12 @@ struct PatchArrays {
   const float* patches;             ///< (N, padded_pixels), kernel's order
   const std::int32_t* hosts;        ///< (N,) −1: none
   const std::uint16_t* host_slots;  ///< (N,)
-  const double* host_rays;          ///< (N, 2)
+  const double* host_uv;            ///< (N, 2) px
   const std::int64_t* slot_starts;  ///< (N + 1,) first slot of each point
   const std::int32_t* slot_images;  ///< ascending per point: its images, the host's among them
+  /// (edges,) or null: set once an edge is not seen; from then on it has no gradient. The original
+  /// exercise's rule.
+  unsigned char* was_out;
   bool inverse_depth;
   bool with_intrinsics;
   Law law;

@@ -64,6 +64,7 @@ PatchLayout::PatchLayout(const PatchScene& scene,
   load_hosts(scene);
   load_edges(scene);
   load_slots(scene);
+  if (options.leaving == LeavingRule::ZERO) was_out_.assign(edges_.size(), 0);
   point_at_tables();
 }
 
@@ -102,14 +103,7 @@ void PatchLayout::load_planes(const PatchScene& scene) {
 void PatchLayout::load_hosts(const PatchScene& scene) {
   hosts_ = scene.hosts;
   has_hosts_ = std::any_of(hosts_.begin(), hosts_.end(), [](std::int32_t h) { return h >= 0; });
-  host_rays_.assign(2 * hosts_.size(), 0.0);
-  for (std::size_t p = 0; p < hosts_.size(); ++p) {
-    if (hosts_[p] < 0) continue;
-    const auto K = scene.intrinsics.row(scene.intrinsics_row(hosts_[p]));
-    const auto row = static_cast<Eigen::Index>(p);
-    host_rays_[2 * p] = (scene.host_uv(row, 0) - K[2]) / K[0];
-    host_rays_[2 * p + 1] = (scene.host_uv(row, 1) - K[3]) / K[1];
-  }
+  host_uv_.assign(scene.host_uv.data(), scene.host_uv.data() + scene.host_uv.size());
 }
 
 void PatchLayout::load_edges(const PatchScene& scene) {
@@ -164,7 +158,8 @@ void PatchLayout::point_at_tables() {
   arrays_.patches = patches_.data();
   arrays_.hosts = hosts_.data();
   arrays_.host_slots = host_slots_.data();
-  arrays_.host_rays = host_rays_.data();
+  arrays_.host_uv = host_uv_.data();
+  arrays_.was_out = was_out_.empty() ? nullptr : was_out_.data();
   arrays_.slot_starts = slot_starts_.data();
   arrays_.slot_images = slot_images_.data();
 }

@@ -44,7 +44,8 @@ class PatchLayout {
   std::vector<float> patches_;
   std::vector<std::int32_t> hosts_;
   std::vector<std::uint16_t> host_slots_;
-  std::vector<double> host_rays_;
+  std::vector<double> host_uv_;
+  std::vector<unsigned char> was_out_;  // LeavingRule::ZERO only
   std::vector<std::int64_t> slot_starts_;
   std::vector<std::int32_t> slot_images_;
   bool has_hosts_ = false;

@@ -280,11 +280,16 @@ double PatchProblem::gradient_max_norm() const {
   return norm;
 }
 
-// The diagonal blocks of H over the free columns, in `matrix_`.
+// The diagonal of H over the free columns, in `matrix_`.
 void PatchProblem::set_diagonal() {
   matrix_.setZero();
+  // images that share intrinsics meet on the diagonal
+  const bool off_diagonal = layout_.has_hosts() && columns_.with_intrinsics();
   for (int i = 0; i < num_images(); ++i) {
-    columns_.add_block(i, i, H_.data() + block_starts_[i] * C() * C(), matrix_);
+    const int end = off_diagonal ? num_images() : i + 1;
+    for (int k = i; k < end; ++k) {
+      columns_.add_block(i, k, H_.data() + (block_starts_[i] + k - i) * C() * C(), matrix_);
+    }
   }
 }
 

@@ -32,8 +32,8 @@ RAYLIGN_INLINE HomogeneousPoint load_point(const PatchArrays& arrays,
   if (!arrays.inverse_depth) return point;
   const ImagePacket& host = state.images[arrays.hosts[p]];
   point.w = X[0];
-  point.ray[0] = arrays.host_rays[2 * p];
-  point.ray[1] = arrays.host_rays[2 * p + 1];
+  point.ray[0] = (arrays.host_uv[2 * p] - host.cx) / host.fx;
+  point.ray[1] = (arrays.host_uv[2 * p + 1] - host.cy) / host.fy;
   double d[3];
   for (int k = 0; k < 3; ++k) d[k] = point.ray[k] - point.w * host.t[k];
   for (int k = 0; k < 3; ++k) {
@@ -60,7 +60,6 @@ RAYLIGN_INLINE bool project(const ImagePacket& image,
   return true;
 }
 
-// The cell of a position; the last pixel of a spline begins a cell of its own.
 RAYLIGN_INLINE bool square_fits(const PlaneRef& plane, double u, double v) {
   return u >= 2.0 && v >= 2.0 && u + 1.0 <= plane.max_u && v + 1.0 <= plane.max_v;
 }
@@ -109,6 +108,8 @@ RAYLIGN_INLINE bool read_any(const PatchArrays& arrays,
       cells.x[k] = static_cast<float>(at_u - first_u);
       cells.y[k] = static_cast<float>(at_v - first_v);
       const int before = is_spline ? 1 : 0;
+      cells.left[k] = first_u == 0 ? 0 : -1;
+      cells.up[k] = first_v == 0 ? 0 : -plane.stride;
       cells.first[k] = plane.origin + (first_v - before) * plane.stride + first_u - before;
     }
     F4 &I = pixels.I[n / 4], &I_u = pixels.I_u[n / 4], &I_v = pixels.I_v[n / 4];
@@ -132,12 +133,71 @@ RAYLIGN_INLINE bool read_patch(const PatchArrays& arrays,
                                double scale,
                                PatchPixels& pixels) {
   const PlaneRef& plane = arrays.planes[edge.plane];
-  const double at_u = edge.level == 0 ? u : (u + 0.5) * scale - 0.5;
-  const double at_v = edge.level == 0 ? v : (v + 0.5) * scale - 0.5;
+  double at_u = edge.level == 0 ? u : (u + 0.5) * scale - 0.5;
+  double at_v = edge.level == 0 ? v : (v + 0.5) * scale - 0.5;
+  if (arrays.reader == Reader::CENTRAL_DIFFERENCE) {
+    at_u = static_cast<float>(at_u);
+    at_v = static_cast<float>(at_v);
+  }
   const bool is_square =
       arrays.reader == Reader::SQUARE_BSPLINE || arrays.reader == Reader::SQUARE_BILINEAR;
   if (is_square && !edge.has_warp) return read_square<kGradient>(arrays, plane, at_u, at_v, pixels);
   return read_any<kGradient>(arrays, edge, plane, at_u, at_v, pixels);
+}
+
+// Asks for the rows that a patch around (u, v) of level 0 will read: they lie all over the images,
+// and a pass would otherwise wait for each.
+RAYLIGN_INLINE void prefetch_patch(const PlaneRef& plane, int level, double u, double v) {
+  const double scale = 1.0 / static_cast<double>(std::int64_t{1} << level);
+  const double at_u = u * scale;
+  const double at_v = v * scale;
+  if (!(at_u >= 3.0 && at_v >= 3.0 && at_u <= plane.max_u - 3.0 && at_v <= plane.max_v - 3.0))
+    return;
+  const float* c = plane.origin + (static_cast<std::int32_t>(at_v) - 3) * plane.stride +
+                   static_cast<std::int32_t>(at_u) - 3;
+  for (int row = 0; row < 7; ++row, c += plane.stride) {
+    __builtin_prefetch(c);
+    __builtin_prefetch(c + 6);
+  }
+}
+
+// A point and where its first edges see it, made one point ahead of its turn.
+struct PointAhead {
+  static constexpr int kMaxEdges = 32;
+
+  HomogeneousPoint point;
+  Projection projections[kMaxEdges];
+  bool is_in_front[kMaxEdges];
+};
+
+RAYLIGN_INLINE void look_ahead(const PatchArrays& arrays,
+                               const PatchStateArrays& state,
+                               std::int64_t p,
+                               PointAhead& out) {
+  out.point = load_point(arrays, state, p);
+  const KernelEdge* edges = arrays.edges + arrays.starts[p];
+  const std::int64_t count = arrays.starts[p + 1] - arrays.starts[p];
+  for (int k = 0; k < count && k < PointAhead::kMaxEdges; ++k) {
+    Projection& projection = out.projections[k];
+    out.is_in_front[k] =
+        project(state.images[edges[k].image], out.point, arrays.min_depth, projection);
+    if (!out.is_in_front[k]) continue;
+    prefetch_patch(arrays.planes[edges[k].plane], edges[k].level, projection.u, projection.v);
+  }
+}
+
+// Edge k of the point, by what was found ahead.
+RAYLIGN_INLINE bool project_edge(const PatchArrays& arrays,
+                                 const PatchStateArrays& state,
+                                 const PointAhead& ahead,
+                                 const KernelEdge& edge,
+                                 std::int64_t k,
+                                 Projection& projection) {
+  if (k >= PointAhead::kMaxEdges) {
+    return project(state.images[edge.image], ahead.point, arrays.min_depth, projection);
+  }
+  projection = ahead.projections[k];
+  return ahead.is_in_front[k];
 }
 
 }  // namespace raylign::native

@@ -110,6 +110,7 @@ RAYLIGN_INLINE F4 sum_lanes(F4 a, F4 b, F4 c, F4 d) {
 struct PixelCells {
   const float* first[4];
   F4 x, y;
+  std::ptrdiff_t left[4], up[4];  ///< to the cells of a central difference; 0 at the border
 };
 
 template <bool kGradient>
@@ -156,7 +157,8 @@ RAYLIGN_INLINE void read_bilinear(
 }
 
 /// Bilinear value and half the difference of the bilinear values one pixel to either side: not the
-/// derivative of the value, but what the original exercise takes for it.
+/// derivative of the value, but what the original exercise takes for it. In the first column (row)
+/// it reads the pixel's own cell for the one before.
 template <bool kGradient>
 RAYLIGN_INLINE void read_central_difference(
     const PixelCells& cells, std::ptrdiff_t stride, F4& I, F4& I_u, F4& I_v) {
@@ -164,10 +166,12 @@ RAYLIGN_INLINE void read_central_difference(
   read_bilinear<false>(cells, stride, I, unused_u, unused_v);
   if (!kGradient) return;
   F4 around[4];
-  const std::ptrdiff_t steps[4] = {1, -1, stride, -stride};
   for (int n = 0; n < 4; ++n) {
     PixelCells moved = cells;
-    for (int k = 0; k < 4; ++k) moved.first[k] += steps[n];
+    for (int k = 0; k < 4; ++k) {
+      const std::ptrdiff_t steps[4] = {1, cells.left[k], stride, cells.up[k]};
+      moved.first[k] += steps[n];
+    }
     read_bilinear<false>(moved, stride, around[n], unused_u, unused_v);
   }
   I_u = 0.5f * (around[0] - around[1]);

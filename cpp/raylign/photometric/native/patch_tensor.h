@@ -11,12 +11,14 @@
 /// of. Included by patch_kernels.cpp alone.
 namespace raylign::native {
 
+// The four bits of each half byte as lanes.
+alignas(16) inline constexpr float kMaskLanes[16][4] = {
+    {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0},
+    {0, 1, 1, 0}, {1, 1, 1, 0}, {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1},
+    {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
+
 RAYLIGN_INLINE F4 mask_lanes(std::uint32_t mask, int strip) {
-  const std::uint32_t bits = mask >> (4 * strip);
-  const I4 lanes = {static_cast<std::int32_t>(bits & 1u), static_cast<std::int32_t>(bits >> 1 & 1u),
-                    static_cast<std::int32_t>(bits >> 2 & 1u),
-                    static_cast<std::int32_t>(bits >> 3 & 1u)};
-  return __builtin_convertvector(lanes, F4);
+  return load(kMaskLanes[mask >> (4 * strip) & 15u]);
 }
 
 RAYLIGN_INLINE F4 square_root(F4 s) {
@@ -25,17 +27,30 @@ RAYLIGN_INLINE F4 square_root(F4 s) {
   return root;
 }
 
+// Σ log x_n as the logarithm of a product, taken when the product grows large. A factor is at most
+// that of a patch: 32 pixels of 1 + s / k < 1e6.
+struct LogSum {
+  double product = 1.0;
+  double sum = 0.0;
+};
+
+/// Above this `take_log` is due.
+inline constexpr double kLargeProduct = 1e100;
+
+RAYLIGN_INLINE void take_log(LogSum& logs) {
+  logs.sum += std::log(logs.product);
+  logs.product = 1.0;
+}
+
 // ρ of the pixels of an edge added up; products of 1 + s / k stand for sums of logarithms.
 struct RhoSum {
   F4 sum = {};
   F4 product = {1.0f, 1.0f, 1.0f, 1.0f};
-  double log_sum = 0.0;
 };
 
-RAYLIGN_INLINE void flush(RhoSum& rho) {
-  const double product = (static_cast<double>(rho.product[0]) * rho.product[1]) *
-                         (static_cast<double>(rho.product[2]) * rho.product[3]);
-  rho.log_sum += std::log(product);
+RAYLIGN_INLINE void move_product(RhoSum& rho, LogSum& logs) {
+  logs.product *= (static_cast<double>(rho.product[0]) * rho.product[1]) *
+                  (static_cast<double>(rho.product[2]) * rho.product[3]);
   rho.product = F4{1.0f, 1.0f, 1.0f, 1.0f};
 }
 
@@ -144,15 +159,18 @@ RAYLIGN_INLINE void finish_tensor(
   out.v[3] = weight * fourth[1];
 }
 
-// ½ Σ ρ of an edge and, with kGradient, its tensor.
+// Σ ρ of an edge, but for the logarithms of LOG, which go to `logs` and stand for k times
+// themselves; with kGradient its tensor, too.
 template <bool kGradient>
-RAYLIGN_INLINE double edge_cost(const PatchArrays& arrays,
-                                const KernelEdge& edge,
-                                const PatchPixels& pixels,
-                                const float* c,
-                                const Brightness& brightness,
-                                double slope,
-                                EdgeTensor& tensor) {
+RAYLIGN_INLINE double strip_costs(const PatchArrays& arrays,
+                                  const KernelEdge& edge,
+                                  int num_strips,
+                                  const PatchPixels& pixels,
+                                  const float* c,
+                                  const Brightness& brightness,
+                                  double slope,
+                                  LogSum& logs,
+                                  EdgeTensor& tensor) {
   const auto gain = static_cast<float>(brightness.gain);
   const auto offset = static_cast<float>(brightness.offset);
   const auto scale = static_cast<float>(arrays.law_scale);
@@ -160,25 +178,40 @@ RAYLIGN_INLINE double edge_cost(const PatchArrays& arrays,
   const Law law = arrays.per_patch ? Law::TRIVIAL : arrays.law;
   RhoSum rho;
   TensorSums sums;
-  const int num_strips = arrays.padded_pixels / 4;
   for (int n = 0; n < num_strips; ++n) {
     const F4 r = load(c + 4 * n) - (gain * pixels.I[n] + offset);
     const F4 w = weigh(law, scale, inverse_k, r * r, mask_lanes(edge.mask, n), rho);
     if (kGradient) add_strip(sums, pixels.I[n], pixels.I_u[n], pixels.I_v[n], r, w);
-    if (law == Law::LOG && n % 4 == 3) flush(rho);  // four factors of a lane fit a float
+    if (law == Law::LOG && n % 4 == 3) move_product(rho, logs);  // a lane of four fits a float
   }
   double weight = 1.0;
   double twice = 0.0;
   if (law == Law::LOG) {
-    if (num_strips % 4 != 0) flush(rho);
-    twice = arrays.law_scale * rho.log_sum;
+    move_product(rho, logs);
   } else {
     twice = (static_cast<double>(rho.sum[0]) + rho.sum[1]) +
             (static_cast<double>(rho.sum[2]) + rho.sum[3]);
     if (arrays.per_patch) twice = weigh_patch(arrays, twice, weight);
   }
   if (kGradient) finish_tensor(sums, brightness.gain, slope, weight, tensor);
-  return 0.5 * twice;
+  return twice;
+}
+
+// As strip_costs: the loop of a patch of sixteen pixels is unrolled.
+template <bool kGradient>
+RAYLIGN_INLINE double edge_cost(const PatchArrays& arrays,
+                                const KernelEdge& edge,
+                                const PatchPixels& pixels,
+                                const float* c,
+                                const Brightness& brightness,
+                                double slope,
+                                LogSum& logs,
+                                EdgeTensor& tensor) {
+  if (arrays.padded_pixels == 16) {
+    return strip_costs<kGradient>(arrays, edge, 4, pixels, c, brightness, slope, logs, tensor);
+  }
+  return strip_costs<kGradient>(arrays, edge, arrays.padded_pixels / 4, pixels, c, brightness,
+                                slope, logs, tensor);
 }
 
 }  // namespace raylign::native
