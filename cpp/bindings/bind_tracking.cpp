@@ -116,6 +116,8 @@ void bind_tracking_options(py::module_& m) {
       .field("depth", &T::depth, "DepthTermOptions.")
       .field("finest_level", &T::finest_level, "Last level; 0 is the full image.")
       .field("coarsest_level", &T::coarsest_level, "First level.")
+      .field("rotation_first", &T::rotation_first,
+             "Turn the start on the first level, by intensities alone, before anything else moves.")
       .field("level_iterations", &T::level_iterations,
              "Iterations on level l at most; lm.max_num_iterations where there is none.")
       .field("lm", &T::lm, "LmOptions, threads among them.")

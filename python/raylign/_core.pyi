@@ -1501,6 +1501,7 @@ class TrackingOptions:
     depth: DepthTermOptions
     finest_level: int
     coarsest_level: int
+    rotation_first: bool
     level_iterations: list[int]
     lm: LmOptions
     acceptance: AcceptanceOptions
@@ -1517,6 +1518,7 @@ class TrackingOptions:
         depth: DepthTermOptions = ...,
         finest_level: int = ...,
         coarsest_level: int = ...,
+        rotation_first: bool = ...,
         level_iterations: list[int] = ...,
         lm: LmOptions = ...,
         acceptance: AcceptanceOptions = ...,
@@ -1534,6 +1536,7 @@ class TrackingOptions:
         depth: DepthTermOptions = ...,
         finest_level: int = ...,
         coarsest_level: int = ...,
+        rotation_first: bool = ...,
         level_iterations: list[int] = ...,
         lm: LmOptions = ...,
         acceptance: AcceptanceOptions = ...,

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "raylign/base/error.h"
 #include "raylign/tracking/alignment_problem.h"
@@ -26,6 +27,8 @@ constexpr double kRigidTolerance = 1e-6;
 constexpr double kMaxWeight = 1e3;
 constexpr double kMaxScale = 30.0;
 constexpr int kMinSide = 3;  // px: smaller levels have no inner pixel
+// px of the coarsest level: a turn below it does not make another start.
+constexpr double kSmallTurn = 0.5;
 
 double scale_of(const Matrix4& T) { return std::cbrt(T.topLeftCorner<3, 3>().determinant()); }
 
@@ -121,10 +124,65 @@ TermScales estimate_scales(const BlockSums& blocks,
   return next;
 }
 
+// Of the start's rotation. Brightness stays as it is: where it may move, it makes up for a wrong
+// pose.
+TrackingOptions for_rotation(TrackingOptions options) {
+  options.motion = MotionGroup::SO3;
+  options.affine.mode = AffineMode::NONE;
+  options.depth.enabled = false;
+  return options;
+}
+
 }  // namespace
 
 Aligner::Aligner(const TrackingOptions& options)
-    : options_((options.validate(), options)), pool_(options.lm.num_threads) {}
+    : options_((options.validate(), options)),
+      rotation_options_(for_rotation(options)),
+      pool_(options.lm.num_threads) {}
+
+Aligner::LevelStart Aligner::turned(const Keyframe& keyframe,
+                                    const Frame& target,
+                                    int level,
+                                    const PoseState& start) {
+  PointPass pass(keyframe, target, level, rotation_options_, pool_, workspace_);
+  AlignmentProblem<tracking::So3Motion> problem(pass, rotation_options_, start, TermScales());
+  LmOptions lm = options_.lm;
+  lm.max_num_iterations = options_.max_iterations(level);
+  minimize(problem, lm, IterationCallback(), Stopwatch(), pass.num_points());
+  return {problem.state(), problem.num_evaluations()};
+}
+
+// `start`, or where it is first turned by much the cheaper of both as the level aligns them.
+template <typename Motion>
+Aligner::LevelStart Aligner::better_start(const Keyframe& keyframe,
+                                          const Frame& target,
+                                          int level,
+                                          const PoseState& start) {
+  LevelStart other = turned(keyframe, target, level, start);
+  const Matrix3 turn = other.state.T_th.topLeftCorner<3, 3>() *
+                       start.T_th.topLeftCorner<3, 3>().transpose() /
+                       std::pow(scale_of(start.T_th), 2);
+  const double f = target.camera(level).fx();
+  if (!(f * Eigen::AngleAxisd(turn).angle() > kSmallTurn)) {
+    return {start, other.num_evaluations};
+  }
+  TermScales scales;
+  scales.depth_weight = options_.depth.weight;
+  PointPass pass(keyframe, target, level, options_, pool_, workspace_);
+  LmOptions lm = options_.lm;
+  lm.max_num_iterations = options_.max_iterations(level);
+  const auto solve = [&](PoseState& state) {
+    AlignmentProblem<Motion> problem(pass, options_, state, scales);
+    const Summary summary = minimize(problem, lm, IterationCallback(), Stopwatch(), 0);
+    state = problem.state();
+    other.num_evaluations += problem.num_evaluations();
+    return summary.final_cost;
+  };
+  PoseState unturned = start;
+  const double cost = solve(unturned);
+  if (!(solve(other.state) < cost)) other.state = unturned;
+  return other;
+}
 
 AlignmentResult Aligner::align(const Keyframe& keyframe,
                                const Frame& target,
@@ -158,7 +216,12 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
   if (!has_enough_points(keyframe.points(levels.finest), options_.acceptance, result)) {
     return result;
   }
-  PoseState state = {start.T_th, start.a, start.b};
+  LevelStart first = {{start.T_th, start.a, start.b}, 0};
+  if (options_.rotation_first && options_.motion != MotionGroup::SO3 &&
+      keyframe.points(levels.coarsest).num_points() >= options_.acceptance.min_points) {
+    first = better_start<Motion>(keyframe, target, levels.coarsest, first.state);
+  }
+  PoseState state = first.state;
   TermScales scales;
   scales.depth_weight = options_.depth.weight;
   LmOptions lm = options_.lm;
@@ -178,7 +241,7 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
     record.num_points = pass.num_points();
     record.depth_weight = pass.has_depth_term() ? scales.depth_weight : 0.0;
     if (is_last || estimates) problem.thaw();
-    record.num_evaluations = problem.num_evaluations();
+    record.num_evaluations = problem.num_evaluations() + std::exchange(first.num_evaluations, 0);
     result.levels.push_back(std::move(record));
     const BlockSums blocks = {problem.sums(), problem.tiles()};
     if (!is_last) {

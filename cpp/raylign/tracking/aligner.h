@@ -41,7 +41,24 @@ class Aligner {
                                const AlignmentStart& start,
                                bool with_maps);
 
+  // Where a level's alignment begins, and the passes that it took to find that.
+  struct LevelStart {
+    tracking::PoseState state;
+    int num_evaluations = 0;
+  };
+
+  LevelStart turned(const Keyframe& keyframe,
+                    const Frame& target,
+                    int level,
+                    const tracking::PoseState& start);
+  template <typename Motion>
+  LevelStart better_start(const Keyframe& keyframe,
+                          const Frame& target,
+                          int level,
+                          const tracking::PoseState& start);
+
   TrackingOptions options_;
+  TrackingOptions rotation_options_;
   ThreadPool pool_;
   tracking::Workspace workspace_;
 };

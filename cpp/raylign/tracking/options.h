@@ -98,6 +98,9 @@ struct TrackingOptions {
   DepthTermOptions depth;
   int finest_level = 1;    ///< >= 0; a shallower pyramid: its last level
   int coarsest_level = 4;  ///< >= finest_level
+  /// Before the first level, turns the start about the target's centre by intensities alone: what
+  /// a rotation explains is not first taken for a translation, and the basin is wider.
+  bool rotation_first = true;
   /// Iterations on level l at most: level_iterations[l], lm.max_num_iterations where there is none.
   std::vector<int> level_iterations;
   LmOptions lm = default_lm();

@@ -270,6 +270,33 @@ TEST(Aligner, NoiseIsNeverOk) {
   }
 }
 
+// Of starts far off, turned by more and more about each axis.
+int num_found(bool rotation_first) {
+  PlaneScene scene;
+  scene.width = 320;
+  scene.height = 240;
+  scene.frequency = 2.0;
+  const Keyframe keyframe = keyframe_of(scene);
+  const auto target = scene.frame(some_motion());
+  TrackingOptions options;
+  options.rotation_first = rotation_first;
+  Aligner aligner(options);
+  int found = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int step = 1; step <= 8; ++step) {
+      Vector6 xi;
+      xi << 0.18, -0.15, 0.12, 0.0, 0.0, 0.0;
+      xi[3 + axis] = (step % 2 == 0 ? 0.03 : -0.03) * step;
+      const AlignmentResult result =
+          aligner.align(keyframe, *target, {se3_exp(xi) * some_motion(), 0.0, 0.0});
+      found += pose_error(result.T_th, some_motion()).norm() < 5e-3 ? 1 : 0;
+    }
+  }
+  return found;
+}
+
+TEST(Aligner, TurningFirstWidensTheBasin) { EXPECT_GT(num_found(true), num_found(false) + 2); }
+
 TEST(Aligner, RefusesWhatIsNoMotion) {
   const PlaneScene scene;
   const Keyframe keyframe = keyframe_of(scene);
