@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "raylign/photometric/refinement.h"
 
@@ -24,6 +25,21 @@ CostComparison compare_costs(const Setting& setting,
                              const std::vector<bool>& points,
                              const Loss& loss);
 
+/// How many edges of an image show their patch, of those in view before or after.
+struct ImageMatch {
+  std::int64_t num_edges = 0;
+  std::int64_t num_before = 0;
+  std::int64_t num_after = 0;
+
+  double share_before() const { return static_cast<double>(num_before) / num_edges; }
+  double share_after() const { return static_cast<double>(num_after) / num_edges; }
+};
+
+/// Of every image.
+std::vector<ImageMatch> compare_matches(const Setting& setting,
+                                        const Views& before,
+                                        const Views& after);
+
 struct Verdict {
   bool accepted = false;
   std::string reason;
@@ -33,8 +49,9 @@ struct Verdict {
 /// Whether `refined` is better than `start`. The points held out of the solve are refined alone at
 /// both states, cameras and brightness as they are there, so that each state may show the points
 /// where it would put them; the edges they have in view at both are compared. Without enough of
-/// them, the points of the solve are compared as they are. Refuses besides when a camera has moved
-/// by more than its prior allows, or a number is not finite.
+/// them, the points of the solve are compared as they are. Refuses besides when an image that has
+/// moved does not show the patches where it now should, when a camera has moved by more than its
+/// prior allows, or when a number is not finite: a wrong minimum costs less than a bad start, too.
 Verdict judge_refinement(const Setting& setting,
                          const PatchConstraints& base,
                          const RoundLaw& law,

@@ -9,12 +9,6 @@
 namespace raylign::photometric {
 namespace {
 
-// How well an image shows a patch.
-struct Match {
-  double median_residual = 0.0;  // median |r|
-  double zncc = -1.0;            // zero-mean normalised cross-correlation
-};
-
 double contrast_of(const float* patch, int n) {
   double sum = 0.0;
   double squares = 0.0;
@@ -23,31 +17,6 @@ double contrast_of(const float* patch, int n) {
     squares += double(patch[i]) * patch[i];
   }
   return std::sqrt(std::max(squares / n - sum * sum / (double(n) * n), 0.0));
-}
-
-Match match_of(const PatchScene& scene, std::int64_t p, const PatchEdge& edge) {
-  const EdgeSample sample = evaluate_edge(scene, p, edge);
-  std::array<double, PatchPattern::kMaxPixels> absolute;
-  double c = 0.0, v = 0.0, cc = 0.0, vv = 0.0, cv = 0.0;
-  int count = 0;
-  for (int n = 0; n < scene.pattern.size(); ++n) {
-    if (!sample.counts(edge, n)) continue;
-    const double x = scene.patch(p)[n];
-    const double y = sample.value[n];
-    absolute[count++] = std::abs(sample.residual[n]);
-    c += x;
-    v += y;
-    cc += x * x;
-    vv += y * y;
-    cv += x * y;
-  }
-  Match match;
-  if (count == 0) return match;
-  std::nth_element(absolute.begin(), absolute.begin() + count / 2, absolute.begin() + count);
-  match.median_residual = absolute[count / 2];
-  const double spread = (cc - c * c / count) * (vv - v * v / count);
-  if (spread > 0.0) match.zncc = (cv - c * v / count) / std::sqrt(spread);
-  return match;
 }
 
 void mark_mismatches(const Setting& setting, Views& views) {
@@ -106,6 +75,34 @@ PointStatus status_of_point(const Setting& setting,
 }
 
 }  // namespace
+
+Match match_of(const PatchScene& scene, std::int64_t p, const PatchEdge& edge) {
+  const EdgeSample sample = evaluate_edge(scene, p, edge);
+  std::array<double, PatchPattern::kMaxPixels> absolute;
+  double c = 0.0, v = 0.0, cc = 0.0, vv = 0.0, cv = 0.0, rr = 0.0;
+  int count = 0;
+  for (int n = 0; n < scene.pattern.size(); ++n) {
+    if (!sample.counts(edge, n)) continue;
+    const double x = scene.patch(p)[n];
+    const double y = sample.value[n];
+    absolute[count++] = std::abs(sample.residual[n]);
+    c += x;
+    v += y;
+    cc += x * x;
+    vv += y * y;
+    cv += x * y;
+    rr += sample.residual[n] * sample.residual[n];
+  }
+  Match match;
+  if (count == 0) return match;
+  std::nth_element(absolute.begin(), absolute.begin() + count / 2, absolute.begin() + count);
+  match.median_residual = absolute[count / 2];
+  const double contrast = cc - c * c / count;
+  if (contrast > 0.0) match.unexplained = rr / contrast;
+  const double spread = contrast * (vv - v * v / count);
+  if (spread > 0.0) match.zncc = (cv - c * v / count) / std::sqrt(spread);
+  return match;
+}
 
 void judge(const Setting& setting, const PatchSources& sources, Views& views) {
   if (setting.options.visibility.rule == VisibilityRule::AUTO) mark_mismatches(setting, views);
