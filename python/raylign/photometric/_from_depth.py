@@ -15,7 +15,8 @@ from raylign.photometric._images import Camera
 _BORDER = 6  # px: the patch and what its interpolation reads
 _RADIUS = 4  # px: of the window that has depth without a step, and gives the normal
 _MAX_STEP = 0.03  # between neighbours, of the depth: more is a depth edge
-_MAX_BEND = 2.5e-3  # RMS distance from a plane, of the inverse depth
+_MAX_BEND = 2.5e-3  # RMS distance from a plane, of the inverse depth, …
+_MAX_NOISE = 2.0  # … or this many times what is usual in the image
 _MIN_GRADIENT = 6.0  # grey levels per px
 
 
@@ -60,13 +61,15 @@ def select_points(
             raise ShapeError(f"images[{i}] is {image.shape}, depths[{i}] is {Z.shape}")
         gradient = gradient_image(image, color_order=color_order)[:, :, 1:3]
         strength = np.hypot(gradient[:, :, 0], gradient[:, :, 1])
-        uv = _spread(np.where(_usable(Z), strength, 0.0), share)
-        parts.append((i, uv, Z, sigma, camera))
-    if not any(len(uv) for _, uv, *_ in parts):
+        planes = _fit_planes(Z)
+        uv = _spread(np.where(_usable(Z, planes), strength, 0.0), share)
+        parts.append(_points(i, uv, Z, sigma, planes, camera, T_cw[i]))
+    if not any(len(part.host) for part in parts):
         raise OptionsError(
-            f"no image has a gradient of {_MIN_GRADIENT:g} grey levels per px where it has depth"
+            f"no image has a gradient of {_MIN_GRADIENT:g} grey levels per px where it has depth "
+            "of a smooth surface"
         )
-    return _join(parts, T_cw)
+    return _join(parts)
 
 
 def _metres(depth: AnyArray, scale: float, model: DepthModel | None) -> tuple[F64, F64 | None]:
@@ -86,8 +89,43 @@ def _metres(depth: AnyArray, scale: float, model: DepthModel | None) -> tuple[F6
     return Z, None
 
 
-def _usable(Z: F64) -> Bool:
-    """Depth all around, without a step between neighbours; not at the border."""
+@dataclass(frozen=True)
+class _Planes:
+    """The plane through the depths around each pixel: 1 / Z ≈ D + D_u du + D_v dv; (H, W) each.
+
+    On a plane 1 / Z is linear in the pixel, and a sensor's noise of it nearly the same everywhere.
+    """
+
+    D: F64
+    D_u: F64
+    D_v: F64
+    bend: F64  # RMS distance from the plane
+
+
+def _fit_planes(Z: F64) -> _Planes:
+    """Least squares over (2 r + 1)² pixels, by sums along columns, then along rows."""
+    k = np.arange(-_RADIUS, _RADIUS + 1)
+    D = np.nan_to_num(1.0 / Z)  # around pixels without depth nothing is used
+
+    def window(values: F64, along: F64, axis: int) -> F64:
+        return np.asarray(sum(w * np.roll(values, -j, axis) for j, w in zip(k, along, strict=True)))
+
+    one = np.ones(len(k))
+    columns = window(D, one, 0)
+    number, slope = float(len(k) ** 2), float(len(k) * np.sum(k * k))
+    mean = window(columns, one, 1) / number
+    D_u = window(columns, k.astype(float), 1) / slope
+    D_v = window(window(D, k.astype(float), 0), one, 1) / slope
+    power = window(window(D * D, one, 0), one, 1) / number
+    bend = power - mean * mean - (D_u * D_u + D_v * D_v) * slope / number
+    return _Planes(mean, D_u, D_v, np.sqrt(np.maximum(bend, 0.0)))
+
+
+def _usable(Z: F64, planes: _Planes) -> Bool:
+    """Depth all around, on a plane up to noise, without a step; not at the border.
+
+    A patch across a corner changes its shape from view to view, which no warp follows.
+    """
     usable = np.zeros(Z.shape, bool)
     if min(Z.shape) <= 2 * _BORDER:
         return usable
@@ -99,6 +137,9 @@ def _usable(Z: F64) -> Bool:
         step = np.logical_or.reduce([np.roll(step, k, axis) for k in range(-_RADIUS, _RADIUS + 1)])
     inner = slice(_BORDER, -_BORDER)
     usable[inner, inner] = ~step[inner, inner]
+    if usable.any():
+        noise = float(np.median(planes.bend[usable]))
+        usable &= planes.bend <= np.maximum(_MAX_BEND * planes.D, _MAX_NOISE * noise)
     return usable
 
 
@@ -131,25 +172,34 @@ def _cell_maxima(strength: AnyArray, cell: int) -> AnyArray:
     return np.stack([u[strong], v[strong]], axis=1)
 
 
-def _join(
-    parts: list[tuple[int, AnyArray, F64, F64 | None, PinholeCamera]], T_cw: F64
+def _points(
+    i: int,
+    uv: AnyArray,
+    Z: F64,
+    sigma: F64 | None,
+    planes: _Planes,
+    camera: PinholeCamera,
+    T_cw: F64,
 ) -> SelectedPoints:
-    points, hosts, uvs, normals, sigmas = [], [], [], [], []
-    for i, uv, Z, sigma, camera in parts:
-        u, v = uv[:, 0], uv[:, 1]
-        p_c = _unproject(camera, u, v, Z)
-        R, t = T_cw[i, :3, :3], T_cw[i, :3, 3]
-        points.append((p_c - t) @ R)
-        hosts.append(np.full(len(uv), i, np.int32))
-        uvs.append(uv.astype(np.float64))
-        normals.append(_normals(camera, u, v, Z))
-        if sigma is not None:
-            sigmas.append(sigma[v, u])
+    """The pixels uv of image i as points in the world."""
+    u, v = uv[:, 0], uv[:, 1]
+    p_c = _unproject(camera, u, v, Z)
     return SelectedPoints(
-        np.concatenate(points),
-        np.concatenate(hosts),
-        np.concatenate(uvs),
-        np.concatenate(normals),
+        (p_c - T_cw[:3, 3]) @ T_cw[:3, :3],
+        np.full(len(uv), i, np.int32),
+        uv.astype(np.float64),
+        _normals(camera, u, v, planes),
+        None if sigma is None else sigma[v, u],
+    )
+
+
+def _join(parts: list[SelectedPoints]) -> SelectedPoints:
+    sigmas = [part.depth_sigma for part in parts if part.depth_sigma is not None]
+    return SelectedPoints(
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.host for part in parts]),
+        np.concatenate([part.host_uv for part in parts]),
+        np.concatenate([part.normals for part in parts]),
         np.concatenate(sigmas) if sigmas else None,
     )
 
@@ -159,20 +209,9 @@ def _unproject(camera: PinholeCamera, u: AnyArray, v: AnyArray, Z: F64) -> F64:
     return np.stack([(u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z], axis=1)
 
 
-def _normals(camera: PinholeCamera, u: AnyArray, v: AnyArray, Z: F64) -> F64:
-    """Unit, camera frame, towards the camera: of the plane through the depths around each pixel.
-
-    On a plane 1 / Z is linear in the pixel, and its noise nearly the same all over the window. NaN
-    where it is not linear: at corners and small steps.
-    """
-    k = np.arange(-_RADIUS, _RADIUS + 1)
-    D = 1.0 / Z[v[:, None, None] + k[:, None], u[:, None, None] + k]
-    scale = len(k) * float(np.sum(k * k))
-    D_u, D_v = np.sum(D * k, axis=(1, 2)) / scale, np.sum(D * k[:, None], axis=(1, 2)) / scale
-    at_axis = D.mean(axis=(1, 2)) - D_u * (u - camera.cx) - D_v * (v - camera.cy)
+def _normals(camera: PinholeCamera, u: AnyArray, v: AnyArray, planes: _Planes) -> F64:
+    """Unit, camera frame, towards the camera."""
+    D_u, D_v = planes.D_u[v, u], planes.D_v[v, u]
+    at_axis = planes.D[v, u] - D_u * (u - camera.cx) - D_v * (v - camera.cy)
     n = -np.stack([camera.fx * D_u, camera.fy * D_v, at_axis], axis=1)
-    n /= np.linalg.norm(n, axis=1, keepdims=True)
-    mean = D.mean(axis=(1, 2), keepdims=True)
-    bend = D - mean - D_u[:, None, None] * k - D_v[:, None, None] * k[:, None]
-    n[np.sqrt(np.mean(bend * bend, axis=(1, 2))) > _MAX_BEND * mean[:, 0, 0]] = np.nan
-    return np.asarray(n)
+    return np.asarray(n / np.linalg.norm(n, axis=1, keepdims=True))
