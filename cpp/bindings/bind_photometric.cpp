@@ -12,6 +12,8 @@
 #include "image.h"
 #include "numpy.h"
 #include "raylign/photometric/adjuster.h"
+#include "raylign/photometric/cramer_rao.h"
+#include "raylign/photometric/frozen.h"
 
 namespace raylign::python {
 namespace {
@@ -261,12 +263,50 @@ Result adjust_problem(const std::shared_ptr<const Problem>& problem,
   return adjust(*problem, config, options, ask, SignalCheck());
 }
 
+CramerRaoBound bound_of(const Problem& problem,
+                        const BundleConfig& config,
+                        const PhotometricOptions& options,
+                        const CramerRaoOptions& noise) {
+  const FrozenProblem frozen = freeze(problem, config, options);
+  return cramer_rao(frozen.scene, frozen.constraints, noise);
+}
+
+void bind_cramer_rao(py::module_& m) {
+  using B = CramerRaoBound;
+  py::class_<B>(m, "CramerRaoBound", "Smallest covariance that an unbiased estimate can have.")
+      .def_property_readonly(
+          "pose_covariance",
+          [](const B& b) {
+            return py::array_t<double, py::array::c_style | py::array::forcecast>(
+                py::cast(b.poses));
+          },
+          "(6M, 6M) of ξ = [υ; ω] per image, T_cw = exp(ξ) T_true; zero where held.")
+      .def_property_readonly(
+          "center_covariances", [](const B& b) { return matrices(b.centers, 3); },
+          "(M, 3, 3) of the cameras' centres, world frame.")
+      .def_property_readonly(
+          "point_covariances", [](const B& b) { return matrices(b.points, 3); },
+          "(N, 3, 3) world frame; NaN where nothing determines a point.")
+      .def_readonly("free_directions", &B::free_directions,
+                    "Directions that the images leave free; bounds are of the rest.");
+  m.def(
+      "photometric_cramer_rao",
+      [](const std::shared_ptr<const Problem>& problem, BundleConfig config,
+         PhotometricOptions options, double sigma, bool is_rounded, bool has_noisy_patches) {
+        const py::gil_scoped_release release;
+        return bound_of(*problem, config, options, {sigma, is_rounded, has_noisy_patches});
+      },
+      py::arg("problem"), py::kw_only(), py::arg("config"), py::arg("options"), py::arg("sigma"),
+      py::arg("is_rounded"), py::arg("has_noisy_patches"));
+}
+
 }  // namespace
 
 void bind_photometric(py::module_& m) {
   bind_status(m);
   bind_problem(m);
   bind_result(m);
+  bind_cramer_rao(m);
   m.def("adjust_photometric", &adjust_problem, py::arg("problem"), py::kw_only(), py::arg("config"),
         py::arg("options"), py::arg("callback").none(true));
 }

@@ -2227,6 +2227,25 @@ class PhotometricResult:
     @property
     def free_directions(self) -> int: ...
 
+class CramerRaoBound:
+    @property
+    def pose_covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def center_covariances(self) -> NDArray[np.float64]: ...
+    @property
+    def point_covariances(self) -> NDArray[np.float64]: ...
+    @property
+    def free_directions(self) -> int: ...
+
+def photometric_cramer_rao(
+    problem: PhotometricProblem,
+    *,
+    config: BundleConfig,
+    options: PhotometricOptions,
+    sigma: float,
+    is_rounded: bool,
+    has_noisy_patches: bool,
+) -> CramerRaoBound: ...
 def adjust_photometric(
     problem: PhotometricProblem,
     *,

@@ -27,6 +27,27 @@ class SmallScene(NamedTuple):
             self.images, self.depths, CAMERA, self.T_start, **options
         )
 
+    def truth_problem(self) -> photometric.Problem:
+        """The same points where they are, images without noise."""
+        scene, start = _scene(), self.problem()
+        frames = [synthetic.render(scene, CAMERA, T, width=160, height=120) for T in self.T_true]
+        hosts, uv = start._arrays["hosts"], start._arrays["host_uv"].astype(int)
+        rays, _ = CAMERA.unproject(uv.astype(float))
+        z = np.array([frames[h].depth[v, u] for h, (u, v) in zip(hosts, uv, strict=True)])
+        T_wh = geometry.se3_inverse(self.T_true)[hosts]
+        p_h = rays * (z / rays[:, 2])[:, None]
+        points = np.einsum("nij,nj->ni", T_wh[:, :3, :3], p_h) + T_wh[:, :3, 3]
+        return photometric.Problem(
+            [frame.irradiance.astype(np.float32) for frame in frames],
+            CAMERA,
+            self.T_true,
+            points,
+            host=hosts,
+            host_uv=uv,
+            normals=start._arrays["normals"],
+            depth_sigma=start._arrays["depth_sigmas"],
+        )
+
     def write(self, folder: Path) -> None:
         """The files that `raylign photometric` reads; patches from image 0, row 0 of points."""
         problem = self.problem()
@@ -41,8 +62,8 @@ class SmallScene(NamedTuple):
 
 
 def small_scene(num_images: int = 3, off: float = 0.004) -> SmallScene:
-    """Four images of a textured wall at 2 m with a bump, noise of two grey levels."""
-    scene = synthetic.height_field(seed=5, amplitude=0.1)
+    """Images of a textured wall at 2 m, not flat, noise of two grey levels."""
+    scene = _scene()
     sensor = synthetic.SensorOptions(read_noise=2.0)
     motions = [[0.06 * i, 0.02 * (i % 2), 0.0, 0.0, -0.02 * i, 0.01 * i] for i in range(num_images)]
     T_true = geometry.se3_exp(motions)
@@ -60,6 +81,10 @@ def small_scene(num_images: int = 3, off: float = 0.004) -> SmallScene:
         T_true,
         T_start,
     )
+
+
+def _scene() -> synthetic.Scene:
+    return synthetic.height_field(seed=5, amplitude=0.1)
 
 
 def centres(T_cw: np.ndarray) -> np.ndarray:

@@ -173,3 +173,24 @@ def test_covariances_are_covariances(result):
     assert np.sqrt(free.diagonal()).max() < 0.01
     ok = result.point_status == PointStatus.OK.value
     assert np.isfinite(result.point_covariances[ok]).all()
+
+
+def test_the_bound_is_what_covariances_come_near(scene, problem):
+    """Bounds grow with the noise; what a solve claims is of their size."""
+    truth, config = scene.truth_problem(), BundleConfig(gauge=Gauge.TWO_CAMERAS)
+    one, two = (photometric.cramer_rao(truth, sigma=s, config=config) for s in (1.0, 2.0))
+    np.testing.assert_allclose(two.pose_covariance, 4.0 * one.pose_covariance, rtol=1e-6)
+    assert two.center_covariances.shape == (3, 3, 3)
+    assert two.free_directions == 0
+    noisy = photometric.cramer_rao(
+        truth, sigma=2.0, config=config, is_rounded=True, has_noisy_patches=True
+    )
+    free = np.flatnonzero(two.pose_covariance.diagonal())
+    assert len(free) == 12
+    bound = np.sqrt(noisy.pose_covariance.diagonal()[free])
+    assert (bound > np.sqrt(two.pose_covariance.diagonal()[free])).all()
+    claimed = adjust(scene.problem(depth_model=None), config=config, options=FAST).pose_covariance
+    ratio = np.sqrt(claimed.diagonal()[free]) / bound
+    assert ((ratio > 0.5) & (ratio < 2.0)).all()
+    with pytest.raises(raylign.OptionsError, match="sigma"):
+        photometric.cramer_rao(truth, sigma=0.0)

@@ -18,6 +18,7 @@ from raylign._core import (
     BrightnessModel,
     BrightnessOptions,
     CovarianceScope,
+    CramerRaoBound,
     EdgeStatus,
     LeavingRule,
     LossScope,
@@ -30,7 +31,7 @@ from raylign._core import (
     VisibilityOptions,
     VisibilityRule,
 )
-from raylign.photometric._adjust import Preset, adjust, default_config, preset
+from raylign.photometric._adjust import Preset, adjust, cramer_rao, default_config, preset
 from raylign.photometric._problem import Problem
 from raylign.photometric._result import PhotometricResult
 
@@ -38,6 +39,7 @@ __all__ = [
     "BrightnessModel",
     "BrightnessOptions",
     "CovarianceScope",
+    "CramerRaoBound",
     "EdgeStatus",
     "LeavingRule",
     "LossScope",
@@ -53,6 +55,7 @@ __all__ = [
     "VisibilityOptions",
     "VisibilityRule",
     "adjust",
+    "cramer_rao",
     "default_config",
     "preset",
 ]

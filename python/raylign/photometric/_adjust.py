@@ -9,6 +9,7 @@ from raylign._core import (
     BrightnessOptions,
     BundleConfig,
     CovarianceScope,
+    CramerRaoBound,
     Gauge,
     IterationSummary,
     LeavingRule,
@@ -139,6 +140,45 @@ def adjust(
     held = default_config(problem) if config is None else config
     core = _core.adjust_photometric(problem._core, config=held, options=chosen, callback=callback)
     return PhotometricResult(problem, chosen, held, core)
+
+
+def cramer_rao(
+    truth: Problem,
+    *,
+    sigma: float,
+    config: BundleConfig | None = None,
+    options: PhotometricOptions | None = None,
+    is_rounded: bool = False,
+    has_noisy_patches: bool = False,
+) -> CramerRaoBound:
+    """How well poses and points can be known at best: the inverse of the Fisher information.
+
+    Args:
+        truth: images without noise, with the true poses and points.
+        sigma: of the noise of a pixel, grey levels, > 0.
+        config: what is held fixed; default: as `adjust`.
+        options: pattern, warp, views, what is refined; the law of the residuals is not used.
+        is_rounded: grey values are whole numbers, which adds 1/12 to the variance.
+        has_noisy_patches: patches are read from images with the same noise.
+
+    Returns:
+        CramerRaoBound: covariances in the order of `PhotometricResult`.
+
+    Raises:
+        OptionsError: `sigma` is not > 0, or patches without host would be noisy.
+        ShapeError: as `adjust`.
+
+    Source:
+        Rao 1945; docs/theory/photometric.md.
+    """
+    return _core.photometric_cramer_rao(
+        truth._core,
+        config=default_config(truth) if config is None else config,
+        options=PhotometricOptions() if options is None else options,
+        sigma=sigma,
+        is_rounded=is_rounded,
+        has_noisy_patches=has_noisy_patches,
+    )
 
 
 def default_config(problem: Problem) -> BundleConfig:
