@@ -15,9 +15,10 @@ help:  ## list the targets
 setup:  ## install what is missing and raylign itself into .venv
 	$(BOOTSTRAP)
 
-demo: setup  ## bundle adjustment of the shipped data, with pictures
+demo: setup  ## bundle adjustment from pixels and from grey values, with pictures
 	.venv/bin/raylign demo --report $(DEMO_DIR)
-	@echo "pictures are in $(abspath $(DEMO_DIR)):" && ls $(DEMO_DIR)
+	.venv/bin/raylign demo --scene room --report $(DEMO_DIR)/room
+	@echo "pictures are in $(abspath $(DEMO_DIR)) and its room/:" && ls $(DEMO_DIR) $(DEMO_DIR)/room
 
 test:  ## C++ and Python tests
 	$(BOOTSTRAP) --tests

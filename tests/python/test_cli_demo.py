@@ -39,7 +39,18 @@ def test_street_has_outliers_and_gets_better_with_a_robust_loss(
     assert error["after"] < error["before"]
 
 
-@pytest.mark.parametrize("scene", Scene)
+@pytest.mark.slow
+def test_room_is_refined_from_grey_values(tmp_path: Path) -> None:
+    result = CliRunner().invoke(cli.app, ["demo", "--scene", "room", "-o", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    record = json.loads((tmp_path / "summary.json").read_text())
+    assert record["accepted"] is True
+    assert record["median_rms"]["after"] < 0.5 * record["median_rms"]["before"]
+    assert len(list(tmp_path.glob("*.png"))) == 6
+    assert "camera centres off by" in result.stdout
+
+
+@pytest.mark.parametrize("scene", [Scene.ORBIT, Scene.STREET])
 def test_every_scene_is_shipped_with_its_truth(scene: Scene) -> None:
     before = read_bal(_resources.data_file(f"bal/{scene}.txt.gz"))
     truth = read_bal(_resources.data_file(f"bal/{scene}-truth.txt.gz"))

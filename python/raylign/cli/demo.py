@@ -1,4 +1,4 @@
-"""`raylign demo`: a bundle adjustment with a known truth, from shipped data to pictures."""
+"""`raylign demo`: bundle adjustments with a known truth, from data to pictures."""
 
 import enum
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from rich.console import Console
 from rich.table import Table
 
 from raylign._resources import data_file
@@ -14,6 +15,7 @@ from raylign.cli._console import make_console, say
 from raylign.cli._errors import EXIT_INTERRUPTED
 from raylign.cli._files import check_report_target
 from raylign.cli._options import choice_option
+from raylign.cli._photometric_demo import refine_room
 from raylign.cli.bundle import describe, solve
 from raylign.errors import Error
 from raylign.evaluate import camera_center_errors
@@ -23,10 +25,11 @@ from raylign.scene import BalProblem
 
 
 class Scene(enum.StrEnum):
-    """The shipped scenes, `data/bal/<name>.txt.gz`."""
+    """The shipped scenes, `data/bal/<name>.txt.gz`, and a room that is rendered."""
 
     ORBIT = "orbit"
     STREET = "street"
+    ROOM = "room"
 
 
 # The street has 2 % outliers, which a convex loss does not get rid of; the orbit has none.
@@ -37,13 +40,17 @@ def demo(
     output: Annotated[
         Path, typer.Option("--output", "-o", "--report", help="Folder for the report.")
     ] = Path("raylign-demo"),
-    scene: Annotated[
-        Scene, choice_option(Scene, "--scene", help="Which of the shipped scenes")
-    ] = Scene.ORBIT,
+    scene: Annotated[Scene, choice_option(Scene, "--scene", help="What to solve")] = Scene.ORBIT,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Solve a synthetic scene that comes with raylign and draw what happened."""
+    """Solve a synthetic scene that comes with raylign and draw what happened.
+
+    orbit and street are bundle adjustments from pixels, room one from grey values.
+    """
     check_report_target(output)
+    if scene is Scene.ROOM:
+        _refine_room(output, make_console(quiet=quiet))
+        return
     before = read_bal(data_file(f"bal/{scene}.txt.gz"))
     truth = read_bal(data_file(f"bal/{scene}-truth.txt.gz"))
     config, options = BundleConfig(), BundleOptions(loss=Loss.parse(_LOSS[scene]))
@@ -69,6 +76,13 @@ def demo(
         )
     console.print()
     console.print(_table([before, result.problem, truth], [*errors, 0.0], options.loss))
+    say(console, f"\npictures: {output / 'index.html'}")
+    if result.summary.termination is Termination.USER_STOPPED:
+        raise typer.Exit(EXIT_INTERRUPTED)
+
+
+def _refine_room(output: Path, console: Console) -> None:
+    result = refine_room(output, console)
     say(console, f"\npictures: {output / 'index.html'}")
     if result.summary.termination is Termination.USER_STOPPED:
         raise typer.Exit(EXIT_INTERRUPTED)
