@@ -12,7 +12,13 @@ import raylign
 from harness.problems import ROOT
 
 BUILD = ROOT / "build" / "bench"
-PROGRAMS = ("bal_benchmark", "ceres_autodiff", "native_stages", "reference_loops")
+PROGRAMS = (
+    "bal_benchmark",
+    "ceres_autodiff",
+    "native_stages",
+    "photometric_benchmark",
+    "reference_loops",
+)
 
 
 def build_programs() -> Path:

@@ -29,6 +29,7 @@ struct PatchSceneOptions {
   bool intrinsics_per_image = false;  ///< else one row
   int level = 0;                      ///< of the pyramid, at which all edges are read
   double sigma = 0.0;                 ///< noise of the images, grey levels
+  int min_views = 3;                  ///< images that see a point, at least
 };
 
 /// The scene at the truth, and off it: inner images by about 0.3° and 6 mm, points by 2 % of their
@@ -163,7 +164,8 @@ class PatchSceneBuilder {
       uv = {rng_.uniform(margin, options_.width - margin),
             rng_.uniform(margin, options_.height - margin)};
       X = surface(host, uv.x(), uv.y());
-    } while (std::abs(X.x()) < 5.0 * margin / focal_ || count_views(X, margin) < 3);
+    } while (std::abs(X.x()) < 5.0 * margin / focal_ ||
+             count_views(X, margin) < options_.min_views);
     scene_.hosts.push_back(options_.hosted ? host : -1);
     scene_.host_uv.row(p) = uv.transpose();
     scene_.points.row(p) = X.transpose();
