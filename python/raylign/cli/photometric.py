@@ -270,5 +270,5 @@ def finish(
     if result.summary.termination is Termination.USER_STOPPED:
         say(console, "stopped by Ctrl-C: the best state so far is kept", style="yellow")
         raise typer.Exit(EXIT_INTERRUPTED)
-    if not result.accepted:
+    if not result.accepted and not result.options.force:
         raise Error(f"not accepted: {result.reason}; the start was written (--force: the result)")

@@ -95,6 +95,8 @@ class PhotometricResult:
         r = self._core
         before, after = self.residual_median()
         verdict = "accepted" if r.accepted else f"not accepted: {r.reason}"
+        if self.options.force and not r.accepted:
+            verdict = f"kept by force, {verdict}"
         return (
             f"{verdict}; median residual {before:.3g} -> {after:.3g} grey levels, median shift "
             f"{np.nanmedian(r.shift_px):.2f} px, {r.summary.total_time_s:.2f} s"

@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from raylign._typing import F64, AnyArray, PathLike
 from raylign.errors import ShapeError
-from raylign.photometric import EdgeStatus, PhotometricResult
+from raylign.photometric import EdgeStatus, LossScope, PhotometricResult
 from raylign.photometric._views import counted, view_values
 from raylign.viz import style
 
@@ -81,7 +81,7 @@ def plot_patches(result: PhotometricResult) -> Figure:
     Returns:
         Figure with the worst (98 % quantile of the residual after), median and best (2 %) views.
     """
-    figure = style.new_figure(9.6, 4.0, "Patches", "reference | image before | image after")
+    figure = style.new_figure(9.6, 3.1, "Patches", "reference | image before | image after")
     _patches(figure, result)
     return figure
 
@@ -150,6 +150,8 @@ def plot_law(result: PhotometricResult) -> Figure:
 
 def _law(figure: Canvas, result: PhotometricResult) -> None:
     residuals = pixel_residuals(result)
+    per_pixel = result.options.noise.scope is LossScope.PIXEL
+    dashed = "; dashed: scale of the loss" if per_pixel else ""
     panels = figure.subplots(1, 2)
     reach = max(4.0 * float(np.median(np.abs(residuals))) / 0.6745, 1.0)
     for axes, limit in ((panels[0], reach), (panels[1], 5.0 * reach)):
@@ -160,16 +162,16 @@ def _law(figure: Canvas, result: PhotometricResult) -> None:
         inside = float(np.mean(np.abs(residuals) <= limit))  # the histogram's density is of these
         for name, density, color in _densities(result, bins):
             axes.plot(bins, density / max(inside, 1e-9), color=color, label=name)
-        if 0.0 < result.threshold < limit:
+        if per_pixel and 0.0 < result.threshold < limit:
             for x in (-result.threshold, result.threshold):
                 axes.axvline(x, color=style.MUTED, linewidth=0.9, linestyle="--")
         axes.set_xlim(-limit, limit)
-        axes.set_xlabel("residual [grey levels]; dashed: scale of the loss")
+        axes.set_xlabel("residual [grey levels]" + dashed)
         axes.set_ylabel("density")
     panels[1].set_yscale("log")
     top = panels[0].get_ylim()[1]
     panels[1].set_ylim(1e-4 * top, 1.5 * top)
-    panels[0].legend()
+    panels[1].legend(loc="upper right", fontsize=7.5)
 
 
 def pixel_residuals(result: PhotometricResult) -> F64:
@@ -221,12 +223,12 @@ def plot_images(result: PhotometricResult) -> Figure:
     shift.bar(x, np.nan_to_num(result.shift_px), color=style.AFTER, width=0.6)
     shift.set_ylabel("median motion of the points [px]")
     for rms, color, name in (
-        (result.image_rms_before, style.BEFORE, "before"),
-        (result.image_rms_after, style.AFTER, "after"),
+        (result.edge_rms_before, style.BEFORE, "before"),
+        (result.edge_rms_after, style.AFTER, "after"),
     ):
-        residual.plot(x, rms, "o", color=color, label=name)
+        residual.plot(x, _image_medians(result, rms), "o", color=color, label=name)
     residual.set_ylim(bottom=0.0)
-    residual.set_ylabel("RMS residual [grey levels]")
+    residual.set_ylabel("median RMS residual of a view [grey]")
     residual.legend()
     gain.plot(x, np.exp(result.brightness[:, 0]), "o", color=style.AFTER)
     gain.set_ylabel("gain $e^a$")
@@ -238,6 +240,14 @@ def plot_images(result: PhotometricResult) -> Figure:
         axes.set_xlabel("image")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
+
+
+def _image_medians(result: PhotometricResult, rms: F64) -> list[float]:
+    """Of the views in use; NaN for an image without any."""
+    ok = (result.edge_status == EdgeStatus.OK.value) & np.isfinite(rms)
+    images = range(result.problem.num_images)
+    parts = [rms[ok & (result.edge_image == i)] for i in images]
+    return [float(np.median(part)) if len(part) else float("nan") for part in parts]
 
 
 @style.styled

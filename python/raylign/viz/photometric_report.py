@@ -37,7 +37,7 @@ _LAW = Picture(
 _IMAGES = Picture(
     "images.png",
     "Images",
-    "Median motion of the points, RMS residual, and the brightness e^a I + b that was found.",
+    "Median motion of the points, median residual, and the brightness e^a I + b that was found.",
 )
 _COST = Picture(
     "cost.png",
@@ -99,7 +99,11 @@ def _draw(result: PhotometricResult) -> list[tuple[Picture, Figure]]:
             (result.T_cw, result.points),
         )
     ]
-    drawn = [(_IMAGES, draw.plot_images(result)), (_CLOUD, plot_point_cloud(*clouds))]
+    sizes = f"{problem.num_images} cameras, {style.count(problem.num_points)} points"
+    drawn = [
+        (_IMAGES, draw.plot_images(result)),
+        (_CLOUD, plot_point_cloud(*clouds, subtitle=sizes)),
+    ]
     if len(result.summary.iterations):
         drawn.insert(0, (_COST, draw.plot_rounds(result)))
     if result.edge_counts().get("ok", 0):

@@ -50,7 +50,11 @@ class _Scene:
 
 @style.styled
 def plot_point_cloud(
-    before: BalProblem, after: BalProblem | None = None, *, max_points: int = 60_000
+    before: BalProblem,
+    after: BalProblem | None = None,
+    *,
+    max_points: int = 60_000,
+    subtitle: str = "",
 ) -> Figure:
     """Draw the reconstruction from above and from the side, before and after a solve.
 
@@ -62,6 +66,7 @@ def plot_point_cloud(
         before: the problem before the solve.
         after: the same problem after it; None draws one column.
         max_points: draw at most this many points (a fixed random choice).
+        subtitle: of the figure. Default: the size of the problem.
 
     Returns:
         Figure with one row per view and one column per problem.
@@ -85,7 +90,7 @@ def plot_point_cloud(
         column * len(problems) + 0.9,
         min(14.0, (column - 0.9) * sum(heights) + 2.0),
         "Reconstruction",
-        style.size_text(before) + note,
+        (subtitle or style.size_text(before)) + note,
     )
     grid = figure.subplots(len(views), len(problems), squeeze=False, height_ratios=heights)
     titles = [""] if after is None else ["before: ", "after: "]
