@@ -6,7 +6,8 @@
 
 Peers: cv2.Odometry of the OpenCV 5 wheel, in this process; Open3D in an environment of its own
 (peers-tracking.txt). All get the same arrays, one thread each. --json FILE keeps the results of
-the parts measured now and, of an earlier file, those of the others.
+the parts measured now and, of an earlier file, those of the others; so it does with single
+sequences and cases.
 """
 
 import argparse
@@ -70,10 +71,29 @@ def table(part: str, result: list | dict) -> str:
     return getattr(tables, part)(result)
 
 
+# what tells the rows of a part that can be measured in pieces apart
+ROW_KEYS = {"sequences": ("sequence",), "robustness": ("case", "mode")}
+
+
 def merge(path: Path, facts: dict, results: dict) -> dict:
-    """What was measured now beside what the file has of other parts, each with its machine."""
-    earlier = json.loads(path.read_text()) if path.exists() else {}
-    return earlier | {part: {"machine": facts, "result": r} for part, r in results.items()}
+    """What was measured now beside what the file has of other parts, each with its machine; of a
+    part measured in pieces, rows that were not measured now stay, too."""
+    merged = json.loads(path.read_text()) if path.exists() else {}
+    for part, result in results.items():
+        earlier = merged.get(part, {}).get("result", [])
+        merged[part] = {"machine": facts, "result": merge_rows(part, earlier, result)}
+    return merged
+
+
+def merge_rows(part: str, earlier: list | dict, now: list | dict) -> list | dict:
+    if part not in ROW_KEYS:
+        return now
+
+    def key(row: dict) -> tuple:
+        return tuple(row[name] for name in ROW_KEYS[part])
+
+    measured = {key(row) for row in now}
+    return [row for row in earlier if key(row) not in measured] + list(now)
 
 
 def main() -> int:

@@ -113,6 +113,20 @@ def test_a_part_measured_again_leaves_the_others(tmp_path):
     assert merged["basin"] == {"machine": {"commit": "a"}, "result": [2]}
 
 
+def test_a_sequence_measured_again_leaves_the_others(tmp_path):
+    import track
+
+    path = tmp_path / "tracking.json"
+    earlier = [{"sequence": "a", "ate": 1}, {"sequence": "b", "ate": 2}]
+    path.write_text(json.dumps(track.merge(path, {}, {"sequences": earlier, "robustness": []})))
+    merged = track.merge(path, {}, {"sequences": [{"sequence": "b", "ate": 3}]})
+    assert merged["sequences"]["result"] == [earlier[0], {"sequence": "b", "ate": 3}]
+    rows = [{"case": "turn", "mode": mode} for mode in ("photometric", "photometric + depth")]
+    path.write_text(json.dumps(track.merge(path, {}, {"robustness": rows})))
+    merged = track.merge(path, {}, {"robustness": [rows[1] | {"max_mm": 1.0}]})
+    assert merged["robustness"]["result"] == [rows[0], rows[1] | {"max_mm": 1.0}]
+
+
 def test_robustness_sequences_hold_what_their_names_say():
     from tracking import robustness
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import raylign
-from raylign import _core, bundle, camera, depth, geometry, image, io, synthetic
+from raylign import _core, bundle, camera, depth, geometry, image, io, synthetic, tracking
 from raylign.bundle import BundleConfig, BundleOptions, Gauge, LmOptions, Termination, adjust
 from raylign.robust import Loss, LossType
 from raylign.scene import BalProblem
@@ -210,6 +210,33 @@ def test_residual_is_predicted_minus_observed(tiny_problem: BalProblem):
     shifted = tiny_problem.replace(observations=moved)
     difference = shifted.residuals() - tiny_problem.residuals()
     np.testing.assert_allclose(difference, np.tile([-3.0, 2.0], (len(difference), 1)), rtol=1e-10)
+
+
+def test_alignment_maps_host_to_target():
+    """A target brighter by 12 that looks at the same wall from 10 cm nearer."""
+    u, v = np.meshgrid(np.arange(160.0), np.arange(120.0))
+    pinhole = camera.PinholeCamera(130.0, 130.0, 79.5, 59.5)
+
+    def wall(z: float) -> np.ndarray:
+        x, y = z * (u - 79.5) / 130.0, z * (v - 59.5) / 130.0
+        texture = 110 + 40 * np.sin(11 * x) + 30 * np.cos(9 * y) + 25 * np.sin(6 * x + 7 * y)
+        return texture.astype(np.float32)
+
+    D = np.full((120, 160), 0.5, np.float32)
+    keyframe = tracking.Keyframe(wall(2.0), pinhole, inverse_depth=D, variance=1e-6)
+    result = tracking.align(keyframe, wall(1.9) + np.float32(12.0), maps=True)
+    assert result.status is tracking.AlignmentStatus.OK
+    np.testing.assert_allclose(result.T_th[:3, 3], [0.0, 0.0, -0.1], atol=2e-3)
+    assert math.exp(result.a) * 128 + result.b == pytest.approx(116.0, abs=2.0)
+    at_start = tracking.align(
+        keyframe,
+        wall(2.0) + np.float32(12.0),
+        options=tracking.TrackingOptions(
+            affine=tracking.AffineOptions(mode=tracking.AffineMode.NONE)
+        ),
+        maps=True,
+    )
+    assert np.nanmedian(at_start.maps.residual) == pytest.approx(-12.0, abs=1.0)
 
 
 def test_cost_is_half_the_sum_of_rho(tiny_problem: BalProblem):

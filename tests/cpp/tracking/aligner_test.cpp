@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
 
 #include "raylign/base/error.h"
 #include "raylign/geometry/sim3.h"
@@ -183,7 +186,7 @@ TEST(Aligner, ThreadsDoNotChangeABit) {
 
 TEST(Aligner, TakesAnySize) {
   for (const auto& [width, height] :
-       {std::pair{1, 1}, {2, 2}, {3, 5}, {16, 16}, {17, 40}, {161, 119}}) {
+       {std::pair{1, 1}, {2, 2}, {3, 5}, {16, 16}, {17, 40}, {161, 119}, {320, 240}, {641, 479}}) {
     PlaneScene scene;
     scene.width = width;
     scene.height = height;
@@ -194,6 +197,38 @@ TEST(Aligner, TakesAnySize) {
       EXPECT_EQ(result.status, AlignmentStatus::OK) << result.reason;
     }
   }
+}
+
+// Twelve megapixels; the texture is a pattern of integers, the world a plane.
+TEST(Aligner, TakesLargeImages) {
+  PlaneScene scene;
+  scene.width = 4000;
+  scene.height = 3000;
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(scene.width) * scene.height);
+  for (int v = 0; v < scene.height; ++v) {
+    for (int u = 0; u < scene.width; ++u) {
+      const int wave = std::abs(u % 256 - 128) + std::abs(v % 320 - 160) / 2 + (u + v) % 1024 / 32;
+      pixels[static_cast<std::size_t>(v) * scene.width + u] = static_cast<std::uint8_t>(wave);
+    }
+  }
+  const ImageView image = {pixels.data(),
+                           PixelType::UINT8,
+                           scene.width,
+                           scene.height,
+                           1,
+                           static_cast<std::size_t>(scene.width)};
+  const auto frame = std::make_shared<Frame>(image, scene.camera());
+  Plane<float> D(scene.width, scene.height);
+  std::fill(D.data(), D.data() + D.size(), 0.5F);
+  frame->set_depth(D.view(), D.view());
+  KeyframeOptions points;
+  points.max_points = 4000;
+  const Keyframe keyframe(frame, points);
+  AlignmentStart start;
+  start.T_th = se3_exp(Vector6(Vector6::Constant(1e-3)));
+  const AlignmentResult result = align(keyframe, *frame, TrackingOptions(), start);
+  EXPECT_EQ(result.status, AlignmentStatus::OK) << result.reason;
+  EXPECT_LT(pose_error(result.T_th, Matrix4::Identity()).norm(), 1e-4);
 }
 
 TEST(Aligner, TargetMayBeOfAnotherSize) {

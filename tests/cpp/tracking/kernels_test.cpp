@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "raylign/tracking/aligner.h"
+#include "raylign/tracking/alignment_problem.h"
 #include "raylign/tracking/point.h"
 #include "raylign/tracking/point_pass.h"
 #include "support/named_rng.h"
@@ -118,6 +120,43 @@ std::vector<TrackingOptions> all_kinds() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Options, KernelTest, testing::ValuesIn(all_kinds()));
+
+// Gauss-Newton on the scalar twin's sums, in double, against the aligner on the kernel's.
+TEST(Kernel, ScalarAndVectorCodeEndAtTheSamePose) {
+  const test::PlaneScene scene;
+  const Keyframe keyframe(scene.frame(Matrix4::Identity(), 1e-4), {});
+  const auto target = scene.frame(se3_exp(small_motion()), 1e-4);
+  for (const bool with_depth : {false, true}) {
+    TrackingOptions options;
+    options.finest_level = options.coarsest_level = 0;
+    options.affine.mode = AffineMode::NONE;
+    options.depth.enabled = with_depth;
+    options.depth.estimate_weight = false;
+    options.lm.function_tolerance = 0.0;
+    options.lm.parameter_tolerance = 1e-9;
+    AlignmentStart start;
+    start.T_th = se3_exp(Vector6(0.8 * small_motion()));
+    const AlignmentResult vectors = Aligner(options).align(keyframe, *target, start);
+    EXPECT_EQ(vectors.status, AlignmentStatus::OK) << vectors.reason;
+    ThreadPool pool(1);
+    tracking::Workspace workspace;
+    const tracking::PointPass pass(keyframe, *target, 0, options, pool, workspace);
+    Matrix4 T = start.T_th;
+    for (int i = 0; i < 12; ++i) {
+      Twin twin = {keyframe, *target, pass.settings({T, 0.0, 0.0}, {})};
+      const PassSums sums = twin.run(0);
+      auto equations = tracking::photometric_equations(sums.photometric, false);
+      if (with_depth) {
+        const auto depth = tracking::depth_equations(sums.depth, false);
+        equations.H += options.depth.weight * depth.H;
+        equations.g += options.depth.weight * depth.g;
+      }
+      const Matrix6 H = equations.H.topLeftCorner<6, 6>();
+      T = se3_exp(Vector6(-H.ldlt().solve(equations.g.head<6>()))) * T;
+    }
+    EXPECT_LT(test::pose_error(vectors.T_th, T).norm(), 1e-5) << with_depth;
+  }
+}
 
 // Padding, points behind the camera and pixels that are not finite must not leak into the sums.
 TEST(Kernel, NothingThatIsNotFiniteGetsIntoTheSums) {
