@@ -12,11 +12,11 @@
 namespace raylign::photometric {
 namespace {
 
-constexpr int kRoundsWithNewLaw = 2;      // then the law stays, so that the cost of a level is one
-constexpr double kSettledMotion = 0.005;  // px, median over the edges
-// Coarse levels only bring the next one near: a looser end of their rounds and solves.
+constexpr int kRoundsWithNewLaw = 2;     // then the law stays, so that the cost of a level is one
+constexpr double kSettledMotion = 0.01;  // px, median over the edges
+// Coarse levels and first rounds only bring the next one near: a looser end.
 constexpr double kSettledCoarseMotion = 0.03;  // px of the level
-constexpr double kCoarseTolerance = 1e-4;
+constexpr double kLooseTolerance = 1e-4;
 constexpr int kMinEdgesPerImage = 8;  // fewer do not move a camera
 constexpr double kMinShareOfPoints =
     0.25;                                // of those that level 0 can use: else a level is skipped
@@ -61,6 +61,27 @@ void hold_unseen_images(const Setting& setting,
     constraints.poses[i].rotation = true;
     constraints.brightness[i] = {true, true};
   }
+}
+
+// By what the depths of the points of each host have changed, median; 1 where too few were solved.
+std::vector<double> depth_ratios(const PhotometricState& old,
+                                 const PatchScene& scene,
+                                 const PatchConstraints& held,
+                                 const PhotometricState& state) {
+  constexpr std::size_t kMinPoints = 5;
+  std::vector<std::vector<double>> by_host(scene.poses.size());
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    const std::int32_t host = scene.hosts[p];
+    if (held.points[p] || host < 0) continue;
+    const double ratio =
+        state.in_camera(host, state.points.row(p)).z() / old.in_camera(host, old.points.row(p)).z();
+    if (ratio > 0.0 && std::isfinite(ratio)) by_host[host].push_back(ratio);
+  }
+  std::vector<double> ratios;
+  for (const std::vector<double>& all : by_host) {
+    ratios.push_back(all.size() < kMinPoints ? 1.0 : median(all));
+  }
+  return ratios;
 }
 
 std::int64_t num_points_with_edges(const PatchScene& scene) {
@@ -179,9 +200,11 @@ void Refinement::run(const Plan& plan,
     if (level > 0 && !is_worth_solving(level, active, state)) continue;
     for (int round = 0; round < plan.max_num_rounds; ++round) {
       const bool estimate = plan.law == nullptr && round < kRoundsWithNewLaw;
-      const double motion = run_round(level, active, estimate, progress, state);
+      const bool is_loose = plan.max_num_rounds > 1 && (level > 0 || round == 0);
+      const double motion = run_round(level, active, estimate, is_loose, progress, state);
       rounds_.back().round = round;
       if (progress != nullptr && progress->is_over()) return;
+      if (level == 0 && is_loose) continue;
       if (motion < (level > 0 ? std::ldexp(kSettledCoarseMotion, level) : kSettledMotion)) break;
     }
   }
@@ -203,14 +226,15 @@ bool Refinement::is_worth_solving(int level,
 double Refinement::run_round(int level,
                              const std::vector<bool>& active,
                              bool estimate,
+                             bool is_loose,
                              Progress* progress,
                              PhotometricState& state) {
   const Views views = find_views(setting_, state, level);
   if (estimate) law_ = estimate_law(setting_, views, active);
   FrozenProblem solve = make_solve(views, active);
-  if (level > 0) {
+  if (is_loose) {
     LmOptions& lm = solve.options.lm;
-    lm.function_tolerance = std::max(lm.function_tolerance, kCoarseTolerance);
+    lm.function_tolerance = std::max(lm.function_tolerance, kLooseTolerance);
   }
   PatchScene& scene = solve.scene;
   const PatchScene before = scene;
@@ -234,17 +258,28 @@ void Refinement::adopt(const PatchScene& scene,
   state.brightness = scene.brightness;
   state.intrinsics = scene.intrinsics;
   for (std::int64_t p = 0; p < scene.num_points(); ++p) {
-    if (base_.points[p]) continue;
     const std::int32_t host = scene.hosts[p];
-    if (host >= 0 && !same_pose(old.poses[host], state.poses[host])) {
-      const Vector3 q = old.in_camera(host, old.points.row(p));
-      state.points.row(p) =
-          (state.poses[host].q.conjugate() * (q - state.poses[host].t)).transpose();
-    }
     if (held.points[p]) continue;
     const Vector3 X = world_point(scene, p);
     const bool is_sane = X.allFinite() && (host < 0 || state.in_camera(host, X).z() > 0.0);
     if (is_sane) state.points.row(p) = X.transpose();
+  }
+  carry_along(old, scene, held, state);
+}
+
+// Points that were not solved for go with their host's camera, and their depths with those of the
+// host's other points: otherwise they would stay behind when the scale drifts.
+void Refinement::carry_along(const PhotometricState& old,
+                             const PatchScene& scene,
+                             const PatchConstraints& held,
+                             PhotometricState& state) const {
+  const std::vector<double> ratios = depth_ratios(old, scene, held, state);
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    const std::int32_t host = scene.hosts[p];
+    if (base_.points[p] || !held.points[p] || host < 0) continue;
+    if (ratios[host] == 1.0 && same_pose(old.poses[host], state.poses[host])) continue;
+    const Vector3 q = ratios[host] * old.in_camera(host, old.points.row(p));
+    state.points.row(p) = (state.poses[host].q.conjugate() * (q - state.poses[host].t)).transpose();
   }
 }
 

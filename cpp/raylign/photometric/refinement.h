@@ -64,7 +64,7 @@ class Refinement {
     const RoundLaw* law = nullptr;  ///< null: estimated
   };
   /// Refines `state`, with the edges of the points in `active`. Points that are not solved for move
-  /// with their host's camera. `progress` null: a solve in the background of another.
+  /// with their host's camera and points. `progress` null: a solve in the background of another.
   void run(const Plan& plan,
            const std::vector<bool>& active,
            Progress* progress,
@@ -83,9 +83,14 @@ class Refinement {
   double run_round(int level,
                    const std::vector<bool>& active,
                    bool estimate,
+                   bool is_loose,
                    Progress* progress,
                    PhotometricState& state);
   void adopt(const PatchScene& scene, const PatchConstraints& held, PhotometricState& state) const;
+  void carry_along(const PhotometricState& old,
+                   const PatchScene& scene,
+                   const PatchConstraints& held,
+                   PhotometricState& state) const;
 
   const Setting& setting_;
   const PatchConstraints& base_;

@@ -13,7 +13,7 @@
 namespace raylign::photometric {
 namespace {
 
-constexpr double kOcclusionCell = 4.0;  // px of the level
+constexpr double kOcclusionCell = 4.0;  // px, whatever the level: a slanted wall hides nothing
 constexpr double kDegree = 0.017453292519943295;
 
 Vector4 intrinsics_of(const PhotometricState& state, std::int64_t image) {
@@ -211,7 +211,7 @@ Views find_views(const Setting& setting, const PhotometricState& state, int leve
   }
   if (setting.options.visibility.rule == VisibilityRule::AUTO &&
       setting.options.visibility.occlusion > 0.0) {
-    mark_occluded(setting, state, std::ldexp(kOcclusionCell, level), views);
+    mark_occluded(setting, state, kOcclusionCell, views);
   }
   judge(setting, sources, views);
   return views;
