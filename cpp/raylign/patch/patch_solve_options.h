@@ -12,6 +12,7 @@
 #include "raylign/parametrization/pose_update.h"
 #include "raylign/robust/loss.h"
 #include "raylign/solver/bundle_options.h"
+#include "raylign/solver/lm.h"
 #include "raylign/solver/options.h"
 
 namespace raylign {
@@ -62,6 +63,7 @@ struct PatchSolveOptions {
   LeavingRule leaving = LeavingRule::KEEP_COST;
   double max_leaving_share = 0.05;  ///< a step that more of the seen edges leave by is refused
   LmOptions lm;
+  LambdaRule lambda_rule = LambdaRule::CERES;  ///< NATIVE only
 
   /// Throws OptionsError.
   void validate() const;

@@ -182,7 +182,9 @@ FrozenProblem Refinement::make_solve(const Views& views, const std::vector<bool>
   solve.options.leaving = options.leaving;
   solve.options.max_leaving_share = options.max_leaving_share;
   solve.options.lm = options.lm;
+  solve.options.lambda_rule = LambdaRule::FAST;
   if (options.additive_damping) {
+    solve.options.lambda_rule = LambdaRule::G2O;
     LmOptions& lm = solve.options.lm;
     lm.jacobi_scaling = false;
     lm.min_diagonal = lm.max_diagonal = 1.0;

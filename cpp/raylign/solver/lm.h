@@ -51,6 +51,7 @@ inline double lm_column_scale(double squared_column_norm, const LmOptions& optio
 enum class LambdaRule {
   CERES,  ///< λ · max(1/3, 1 − (2ρ − 1)³): Nielsen 1999
   FAST,   ///< the same, but λ / 10 where the model kept its promise, ρ > 0.8
+  G2O,    ///< the first, but at most 2/3 λ: every accepted step lowers it
 };
 
 /// The Levenberg-Marquardt loop with the trust-region rules and constants of Ceres (Nielsen 1999;
@@ -94,6 +95,7 @@ class LmLoop {
 
  private:
   static constexpr double kShrinkLimit = 1.0 / 3.0;
+  static constexpr double kWeakestShrink = 2.0 / 3.0;
   static constexpr double kGoodGain = 0.8;
   static constexpr double kFastShrink = 0.1;
   static constexpr int kMaxReservedRows = 1000;
@@ -205,6 +207,7 @@ class LmLoop {
     const double q = 2.0 * row_.gain_ratio - 1.0;
     double factor = std::max(kShrinkLimit, 1.0 - q * q * q);
     if (lambda_rule_ == LambdaRule::FAST && row_.gain_ratio > kGoodGain) factor = kFastShrink;
+    if (lambda_rule_ == LambdaRule::G2O) factor = std::min(factor, kWeakestShrink);
     lambda_ = std::max(options_.min_lambda, lambda_ * factor);
     growth_ = 2.0;
   }

@@ -205,6 +205,22 @@ TEST(Lm, TheFastRuleTrustsAModelThatKeptItsPromise) {
   EXPECT_GT(fair, 0);  // and Nielsen's rule where it did not
 }
 
+TEST(Lm, TheG2oRuleLowersLambdaAfterEveryAcceptedStep) {
+  DenseProblem problem = rosenbrock();
+  const Summary summary = run(problem, nullptr, LambdaRule::G2O);
+  int weak = 0;
+  for (std::size_t i = 1; i + 1 < summary.iterations.size(); ++i) {
+    const IterationSummary& row = summary.iterations[i];
+    if (!row.step_is_accepted) continue;
+    const double q = 2.0 * row.gain_ratio - 1.0;
+    const double factor = std::clamp(1.0 - q * q * q, 1.0 / 3.0, 2.0 / 3.0);
+    const double before = summary.iterations[i - 1].lambda;
+    EXPECT_DOUBLE_EQ(row.lambda, std::max(problem.options.min_lambda, before * factor));
+    weak += 1.0 - q * q * q > 2.0 / 3.0 ? 1 : 0;
+  }
+  EXPECT_GT(weak, 0);  // else the bound was never in the way
+}
+
 TEST(Lm, StepsOutsideTheDomainAreInvalidAndRaiseLambda) {
   DenseProblem problem = square_root_domain();
   problem.options.max_num_consecutive_invalid_steps = 20;

@@ -46,7 +46,8 @@ Summary solve_patches(PatchScene& scene,
   LmOptions lm = options.lm;
   const bool is_fixed = problem.num_effective_parameters() == 0;
   if (is_fixed) lm.max_num_iterations = 0;
-  Summary summary = minimize(problem, lm, callback, clock, static_cast<int>(scene.num_edges()));
+  Summary summary = minimize(problem, lm, callback, clock, static_cast<int>(scene.num_edges()),
+                             options.lambda_rule);
   if (is_fixed) {
     summary.termination = Termination::CONVERGENCE;
     summary.message = "nothing to adjust: every parameter is held";
