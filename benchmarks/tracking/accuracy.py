@@ -54,6 +54,8 @@ def motion(translation: float, degrees: float, random: np.random.Generator) -> n
 def systems(kinds: tuple[str, ...]) -> dict:
     """name -> (keyframe frame, target frame) -> (ok, T_th)."""
     finest = TrackingOptions(finest_level=0)
+    # these images have no noise but that of rounding and interpolation
+    told = TrackingOptions(finest_level=0, sigma_intensity=0.5)
 
     def ours(options: TrackingOptions):
         def call(host: synthetic.Frame, target: synthetic.Frame) -> tuple[bool, np.ndarray]:
@@ -74,6 +76,7 @@ def systems(kinds: tuple[str, ...]) -> dict:
 
     return {
         "raylign, finest level 0": ours(finest),
+        "raylign, finest level 0, σ_I 0.5": ours(told),
         "raylign, defaults (finest level 1)": ours(TrackingOptions()),
         **{f"cv2.Odometry {kind}": theirs(kind) for kind in kinds},
     }

@@ -7,7 +7,7 @@ import numpy as np
 from raylign import depth
 from raylign.odometry import OdometryOptions
 from raylign.tracking import Frame, Keyframe, KeyframeOptions, Tracker, TrackingOptions
-from tracking import frames, sequences
+from tracking import cv_odometry, frames, sequences
 
 SEQUENCE = "seven_scenes_250"
 BUDGET = 4000
@@ -18,27 +18,34 @@ PHOTOMETRIC_BYTES = 4 * (7 + 2 + 4)
 DEPTH_BYTES = 4 * (4 + 2)
 
 
-def options_of(depth_residual: bool, max_points: int) -> OdometryOptions:
+def options_of(depth_residual: bool, max_points: int | None) -> OdometryOptions:
+    """The defaults, with or without the depth residual; another budget of points, or theirs."""
     options = OdometryOptions()
     term = options.tracking.depth.replace(enabled=depth_residual)
-    return options.replace(
-        tracking=options.tracking.replace(depth=term),
-        keyframe=options.keyframe.replace(max_points=max_points),
-    )
+    options = options.replace(tracking=options.tracking.replace(depth=term))
+    if max_points is None:
+        return options
+    return options.replace(keyframe=options.keyframe.replace(max_points=max_points))
 
 
 def measure_odometry(data: frames.Frames, repeats: int) -> list[dict]:
-    """Whole frames: pyramids, depth conversion, alignment, keyframes; images are in memory."""
+    """Whole frames: pyramids, depth conversion, alignment, keyframes; images are in memory. In each
+    round cv2.Odometry RGB follows the same frames."""
     configurations = {
-        "photometric": options_of(False, 0),
-        "photometric + depth": options_of(True, 0),
+        "photometric": options_of(False, None),
+        "photometric + depth": options_of(True, None),
         f"photometric, {BUDGET} points": options_of(False, BUDGET),
         f"photometric + depth, {BUDGET} points": options_of(True, BUDGET),
+        "photometric, all points": options_of(False, 0),
+        "photometric + depth, all points": options_of(True, 0),
     }
-    rounds = [
-        {name: sequences.run_raylign(data, options) for name, options in configurations.items()}
-        for _ in range(repeats)
-    ]
+    rounds, cv2_ms = [], []
+    for _ in range(repeats):
+        rounds.append(
+            {name: sequences.run_raylign(data, options) for name, options in configurations.items()}
+        )
+        _, seconds = cv_odometry.follow("RGB", data.K, data.grey, data.depth)
+        cv2_ms.append(1e3 * float(np.median(seconds)))
     rows = []
     for name in configurations:
         times = [frames.timing(r[name]["seconds"]) for r in rounds]
@@ -49,10 +56,13 @@ def measure_odometry(data: frames.Frames, repeats: int) -> list[dict]:
             for s, is_keyframe in zip(r[name]["seconds"], r[name]["is_keyframe"], strict=True)
             if is_keyframe
         ]
+        ratios = [ms / t["median_ms"] for ms, t in zip(cv2_ms, times, strict=True)]
         rows.append(
             {
                 "system": name,
                 **{k: float(np.median([t[k] for t in times])) for k in times[0]},
+                "cv2_rgb_ms": float(np.median(cv2_ms)),
+                "cv2_rgb_ratio": float(np.median(ratios)),
                 "num_keyframes": first["num_keyframes"],
                 "keyframe_median_ms": float(np.median(keyframe_ms)) if keyframe_ms else None,
                 "point_evaluations": float(np.median(first["point_evaluations"])),
@@ -106,9 +116,9 @@ def measure_passes(data: frames.Frames, repeats: int) -> list[dict]:
     base = OdometryOptions().tracking
     rows = []
     for depth_residual in (False, True):
-        for max_points in (0, BUDGET):
+        for max_points in (OdometryOptions().keyframe.max_points, BUDGET, 0):
             options = base.replace(depth=base.depth.replace(enabled=depth_residual))
-            chosen = KeyframeOptions(max_points=max_points)
+            chosen = OdometryOptions().keyframe.replace(max_points=max_points)
             rows.append(
                 {
                     "system": "photometric + depth" if depth_residual else "photometric",

@@ -42,13 +42,14 @@ def speed(result: dict) -> str:
     if "error" in result:
         return result["error"]
     whole = markdown(
-        ["whole frames", "ms median", "ms p95", "keyframe frames, ms", "keyframes",
-         "point evaluations", "ATE mm", "RPE mm"],
+        ["whole frames", "ms median", "ms p95", "faster than cv2 RGB", "keyframe frames, ms",
+         "keyframes", "point evaluations", "ATE mm", "RPE mm"],
         [
             [
                 row["system"],
                 number(row["median_ms"]),
                 number(row["p95_ms"]),
+                number(row["cv2_rgb_ratio"], 1),
                 number(row["keyframe_median_ms"]),
                 str(row["num_keyframes"]),
                 f"{row['point_evaluations']:.0f}",

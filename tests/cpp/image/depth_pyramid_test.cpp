@@ -124,6 +124,30 @@ TEST(DepthPyramid, ExtremeValuesGiveNoDepthInsteadOfInfinities) {
   }
 }
 
+TEST(DepthPyramid, AdoptedMapsGiveTheSameLevelsWithoutACopy) {
+  const Maps maps(37, 26);
+  const DepthPyramid copied(maps.D.view(), maps.V.view());
+  // level 0 is what the rule makes of the maps: adopting that must change nothing
+  Plane<float> D = copied.inverse_depth(0);
+  Plane<float> V = copied.variance(0);
+  const float* memory = D.data();
+  DepthPyramid adopted;
+  adopted.adopt(D, V);
+  EXPECT_EQ(adopted.inverse_depth(0).data(), memory);
+  EXPECT_TRUE(D.empty());  // the pyramid had none to give back
+  ASSERT_EQ(adopted.num_levels(), copied.num_levels());
+  for (int l = 0; l < adopted.num_levels(); ++l) {
+    for (int v = 0; v < adopted.variance(l).height(); ++v) {
+      for (int u = 0; u < adopted.variance(l).width(); ++u) {
+        EXPECT_EQ(adopted.inverse_depth(l).at(u, v), copied.inverse_depth(l).at(u, v));
+        EXPECT_EQ(adopted.variance(l).at(u, v), copied.variance(l).at(u, v));
+      }
+    }
+  }
+  Plane<float> other(3, 3);
+  EXPECT_THROW(adopted.adopt(other, V), ShapeError);
+}
+
 TEST(DepthPyramid, RefusesWhatCannotBe) {
   const Maps maps(8, 6);
   const Maps other(6, 8);
