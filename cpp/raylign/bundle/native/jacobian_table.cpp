@@ -46,7 +46,7 @@ void JacobianTable::observe(const LmTrial& trial, double cost, double lambda) {
 
 void JacobianTable::promote() {
   is_rounded_ = false;
-  std::vector<RoundedJacobian>().swap(rounded_);  // before the other takes memory
+  Table<RoundedJacobian>().swap(rounded_);  // before the other takes memory
   exact_.resize(num_observations_);
 }
 

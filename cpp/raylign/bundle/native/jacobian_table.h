@@ -4,9 +4,9 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "raylign/bundle/native/kernels.h"
+#include "raylign/bundle/native/table.h"
 #include "raylign/solver/bundle_options.h"
 #include "raylign/solver/lm.h"
 
@@ -38,8 +38,8 @@ class JacobianTable {
  private:
   std::int64_t num_observations_;
   bool is_rounded_;
-  std::vector<ObservationJacobian> exact_;
-  std::vector<RoundedJacobian> rounded_;
+  Table<ObservationJacobian> exact_;
+  Table<RoundedJacobian> rounded_;
   std::string complaint_;
   int num_long_solves_ = 0;
   int num_poor_steps_ = 0;

@@ -4,28 +4,44 @@
 
 #include <algorithm>
 
+#include "raylign/bundle/native/table.h"
+
 namespace raylign::native {
 namespace {
 
 constexpr std::int64_t kMaxChunks = 16;
 constexpr std::int64_t kMinObservationsPerChunk = 4096;
 
-// Positions 0 … n − 1 sorted by key(position), equal keys in their order: a counting sort.
-template <typename Positions, typename Key>
-std::vector<std::int64_t> sorted_by(const Positions& positions, std::int64_t num_keys, Key key) {
-  std::vector<std::int64_t> next(num_keys + 1, 0);
-  for (const std::int64_t i : positions) ++next[key(i) + 1];
+using Positions = Table<std::int32_t>;  // of observations: there are less than 2³¹
+
+// The positions sorted by key(position), equal keys in their order: a counting sort.
+template <typename Range, typename Key>
+Positions sorted_by(const Range& positions, std::int64_t num_keys, Key key) {
+  std::vector<std::int32_t> next(num_keys + 1, 0);
+  for (const std::int32_t i : positions) ++next[key(i) + 1];
   for (std::int64_t k = 0; k < num_keys; ++k) next[k + 1] += next[k];
-  std::vector<std::int64_t> sorted(positions.size());
-  for (const std::int64_t i : positions) sorted[next[key(i)]++] = i;
+  Positions sorted(positions.size());
+  for (const std::int32_t i : positions) sorted[next[key(i)]++] = i;
   return sorted;
 }
 
-std::vector<std::int64_t> iota(std::int64_t count) {
-  std::vector<std::int64_t> positions(count);
-  for (std::int64_t i = 0; i < count; ++i) positions[i] = i;
-  return positions;
-}
+// 0 … n − 1.
+class Numbers {
+ public:
+  explicit Numbers(std::int64_t count) : count_(static_cast<std::int32_t>(count)) {}
+  struct Iterator {
+    std::int32_t i;
+    std::int32_t operator*() const { return i; }
+    void operator++() { ++i; }
+    bool operator!=(const Iterator& other) const { return i != other.i; }
+  };
+  Iterator begin() const { return {0}; }
+  Iterator end() const { return {count_}; }
+  std::size_t size() const { return static_cast<std::size_t>(count_); }
+
+ private:
+  std::int32_t count_;
+};
 
 CameraKind camera_kind_of(CameraModel model) {
   switch (model) {
@@ -47,22 +63,23 @@ Layout::Layout(const BundleScene& scene, PointKind kind)
       num_cameras(static_cast<std::int32_t>(scene.num_cameras())) {
   const auto& cameras = scene.camera_index;
   const auto& point_of = scene.point_index;
-  const auto by_camera = sorted_by(iota(scene.num_observations()), scene.num_cameras(),
-                                   [&](std::int64_t i) { return cameras[i]; });
+  const auto by_camera = sorted_by(Numbers(scene.num_observations()), scene.num_cameras(),
+                                   [&](std::int32_t i) { return cameras[i]; });
   const auto by_point =
-      sorted_by(by_camera, scene.num_points(), [&](std::int64_t i) { return point_of[i]; });
-  std::vector<std::int64_t> tracks;   // first position in by_point of each observed point
+      sorted_by(by_camera, scene.num_points(), [&](std::int32_t i) { return point_of[i]; });
+  std::vector<std::int32_t> tracks;   // first position in by_point of each observed point
   std::vector<std::int32_t> highest;  // (P,) camera
   highest.resize(scene.num_points());
-  for (std::int64_t k = 0; k < scene.num_observations(); ++k) {
+  const auto num_observations = static_cast<std::int32_t>(scene.num_observations());
+  for (std::int32_t k = 0; k < num_observations; ++k) {
     const std::int32_t point = point_of[by_point[k]];
     if (k == 0 || point != point_of[by_point[k - 1]]) tracks.push_back(k);
     highest[point] = cameras[by_point[k]];
   }
   const auto by_highest = sorted_by(tracks, scene.num_cameras(),
-                                    [&](std::int64_t k) { return highest[point_of[by_point[k]]]; });
+                                    [&](std::int32_t k) { return highest[point_of[by_point[k]]]; });
   const auto ordered = sorted_by(by_highest, scene.num_cameras(),
-                                 [&](std::int64_t k) { return cameras[by_point[k]]; });
+                                 [&](std::int32_t k) { return cameras[by_point[k]]; });
 
   starts.reserve(ordered.size() + 1);
   points.reserve(ordered.size());
@@ -70,11 +87,11 @@ Layout::Layout(const BundleScene& scene, PointKind kind)
   uv.reserve(2 * by_point.size());
   observed.assign(scene.num_cameras(), false);
   starts.push_back(0);
-  for (const std::int64_t first : ordered) {
+  for (const std::int32_t first : ordered) {
     const std::int32_t point = point_of[by_point[first]];
     points.push_back(point);
-    for (auto k = first; k < scene.num_observations() && point_of[by_point[k]] == point; ++k) {
-      const std::int64_t i = by_point[k];
+    for (auto k = first; k < num_observations && point_of[by_point[k]] == point; ++k) {
+      const std::int32_t i = by_point[k];
       camera.push_back(cameras[i]);
       uv.push_back(scene.observations(i, 0));
       uv.push_back(scene.observations(i, 1));

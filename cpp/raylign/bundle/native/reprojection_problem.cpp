@@ -64,7 +64,7 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
   chunk_states_.resize(num_chunks);
   chunk_trials_.resize(num_chunks);
   chunk_scratch_.assign(num_chunks, std::vector<double>(2 * layout_.max_track_length()));
-  chunk_rows_.assign(num_chunks, std::vector<CameraRows>(layout_.max_window()));
+  chunk_rows_.assign(num_chunks, Table<CameraRows>(layout_.max_window()));
   const auto columns = static_cast<std::size_t>(cameras_.num_columns());
   for (auto* table : {&camera_gradient_, &camera_diagonal_, &camera_scales_, &damping_, &delta_}) {
     table->resize(columns);
@@ -77,7 +77,7 @@ void ReprojectionProblem::load_points(const BundleScene& scene) {
   for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
     load_point(scene.points.row(layout_.points[j]).transpose(), X_.data() + point_size() * j);
   }
-  X_trial_ = X_;
+  X_trial_.resize(X_.size());
 }
 
 void ReprojectionProblem::load_point(const Vector3& X, double* out) const {

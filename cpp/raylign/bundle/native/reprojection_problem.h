@@ -13,6 +13,7 @@
 #include "raylign/bundle/native/kernels.h"
 #include "raylign/bundle/native/layout.h"
 #include "raylign/bundle/native/make_solver.h"
+#include "raylign/bundle/native/table.h"
 #include "raylign/bundle/native/trial_kernels.h"
 #include "raylign/parametrization/constants.h"
 #include "raylign/scene/bundle_scene.h"
@@ -82,11 +83,11 @@ class ReprojectionProblem {
   CameraBlocks cameras_;
   ThreadPool pool_;
 
-  std::vector<double> X_, X_trial_;  // (L, point_size())
+  Table<double> X_, X_trial_;  // (L, point_size())
   JacobianTable J_;
-  std::vector<LandmarkBlock> landmark_blocks_;
-  std::vector<LandmarkFactor> landmark_factors_;
-  std::vector<double> landmark_scales_;  // (L, 3)
+  Table<LandmarkBlock> landmark_blocks_;
+  Table<LandmarkFactor> landmark_factors_;
+  Table<double> landmark_scales_;  // (L, 3)
   // Of each chunk, for the cameras that it touches; the first of them; cost and gradient.
   std::vector<std::vector<CameraSums>> chunk_cameras_;
   std::vector<std::int32_t> chunk_first_camera_;
@@ -94,7 +95,7 @@ class ReprojectionProblem {
   std::vector<CameraSums> camera_sums_;
   std::vector<TrialSums> chunk_trials_;
   std::vector<std::vector<double>> chunk_scratch_;
-  std::vector<std::vector<CameraRows>> chunk_rows_;
+  std::vector<Table<CameraRows>> chunk_rows_;
 
   std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns
   std::vector<double> delta_;                                                        // user columns

@@ -19,7 +19,7 @@ SchurSystem::SchurSystem(const SolverContext& context, SchurPattern pattern)
   split_rows(num_threads);
   blocks_.resize(pattern_.num_blocks());
   rhs_.resize(static_cast<std::size_t>(pattern_.num_cameras()) * kRow);
-  scratch_.assign(num_threads, std::vector<Elimination>(context.layout.max_window()));
+  scratch_.assign(num_threads, Table<Elimination>(context.layout.max_window()));
 }
 
 // Cuts the block rows so that each part has about the same number of products.

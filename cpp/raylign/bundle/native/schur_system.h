@@ -13,6 +13,7 @@
 #include "raylign/bundle/native/product_plan.h"
 #include "raylign/bundle/native/schur_kernels.h"
 #include "raylign/bundle/native/schur_pattern.h"
+#include "raylign/bundle/native/table.h"
 
 namespace raylign::native {
 
@@ -38,8 +39,8 @@ class SchurSystem {
 
   const SchurPattern& pattern() const { return pattern_; }
   const ProductPlan& plan() const { return plan_; }
-  const std::vector<Block>& blocks() const { return blocks_; }  ///< of pattern(), user's tangent
-  const std::vector<double>& rhs() const { return rhs_; }       ///< b, (C, kRow)
+  const Table<Block>& blocks() const { return blocks_; }   ///< of pattern(), user's tangent
+  const std::vector<double>& rhs() const { return rhs_; }  ///< b, (C, kRow)
   const CameraBlocks& cameras() const { return context_.cameras; }
   /// Block `diagonal(i)` of a moving camera.
   const Block& diagonal(int i) const { return blocks_[pattern_.starts[i]]; }
@@ -52,10 +53,10 @@ class SchurSystem {
   SolverContext context_;
   SchurPattern pattern_;
   ProductPlan plan_;
-  std::vector<Block> blocks_;
+  Table<Block> blocks_;
   std::vector<double> rhs_;
   std::vector<std::int32_t> row_parts_;
-  std::vector<std::vector<Elimination>> scratch_;
+  std::vector<Table<Elimination>> scratch_;
 };
 
 /// From rows of kRow per camera to one vector over the free columns, and back (zeros elsewhere).
