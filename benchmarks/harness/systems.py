@@ -64,6 +64,7 @@ def native_solvers() -> list[str]:
 def all_systems(tools: Tools) -> list[System]:
     """In the order of the tables: ours, then Ceres, then the wheels."""
     found = [System("native", "native:auto", threads) for threads in (1, 2)]
+    found += [System("native", "native:parity", 1)]
     found += [System("native", f"native:{s}", 1) for s in native_solvers() if s != "auto"]
     found += [System("native", "native:iterative_schur", 2)]
     for threads in (1, 2):

@@ -1,4 +1,4 @@
-"""raylign itself, both engines. Solvers: `native:auto`, `ceres:sparse_schur`, ..."""
+"""raylign, both engines. Solvers: `native:auto`, `native:parity`, `ceres:sparse_schur`, ..."""
 
 import time
 
@@ -8,15 +8,17 @@ from protocol import parse_arguments, report, status_bytes
 BACKENDS = {name: raylign.bundle.Backend[name.upper()] for name in ("native", "ceres")}
 TYPES = {kind.name.lower(): kind for kind in raylign.bundle.LinearSolverType}
 EXPLICIT = "iterative_explicit"  # ITERATIVE_SCHUR with S formed
+PARITY = "parity"  # AUTO with the steps of Ceres
 
 
 def make_options(arguments) -> raylign.bundle.BundleOptions:
     backend, solver = arguments.solver.split(":")
     return raylign.bundle.BundleOptions(
         backend=BACKENDS[backend],
+        parity=solver == PARITY,
         pose_parametrization=raylign.bundle.PoseParametrization.ANGLE_AXIS,
         linear_solver=raylign.bundle.LinearSolverOptions(
-            type=TYPES["iterative_schur" if solver == EXPLICIT else solver],
+            type=TYPES[{EXPLICIT: "iterative_schur", PARITY: "auto"}.get(solver, solver)],
             explicit_schur=solver == EXPLICIT,
         ),
         lm=raylign.bundle.LmOptions(
@@ -33,7 +35,9 @@ def make_options(arguments) -> raylign.bundle.BundleOptions:
 def main() -> None:
     baseline_bytes = status_bytes("VmRSS")
     arguments = parse_arguments(
-        tuple(f"{backend}:{solver}" for backend in BACKENDS for solver in (*TYPES, EXPLICIT))
+        tuple(
+            f"{backend}:{solver}" for backend in BACKENDS for solver in (*TYPES, EXPLICIT, PARITY)
+        )
     )
     start = time.perf_counter()
     problem = raylign.io.read_bal(arguments.problem)
