@@ -61,12 +61,18 @@ void add_point(const PatchScene& scene,
   }
 }
 
-// v of the header. The fit has taken `num_parameters` degrees of freedom out of the residuals.
+// v of independent residuals. The fit has taken `num_parameters` degrees of freedom out of them.
 double variance_of(const ResidualMoments& moments, double num_parameters) {
   if (!(moments.count > num_parameters)) return std::numeric_limits<double>::quiet_NaN();
   const double mean_slope = moments.psi_slope / moments.count;
   return moments.psi_squared / (moments.count - num_parameters) * (moments.weight / moments.count) /
          (mean_slope * mean_slope);
+}
+
+// v from how the points' gradients of the reduced system scatter, against what B makes of it.
+double scattered_variance(const ResidualMoments& moments, double found, double expected) {
+  const double ratio = moments.weight / moments.psi_slope;
+  return ratio * ratio * found / expected;
 }
 
 double shared_noise_of(const ResidualMoments& moments, double chosen) {
@@ -102,11 +108,11 @@ PointNoise point_noise(const PointSystem& system, const ReducedPoint& reduced, d
   return noise;
 }
 
-// Adds the priors on poses and brightness to S.
-void add_priors(const PatchScene& scene,
-                const PatchConstraints& constraints,
-                const PatchColumns& columns,
-                Eigen::MatrixXd& S) {
+// Of the priors on poses and brightness.
+Eigen::MatrixXd prior_information(const PatchScene& scene,
+                                  const PatchConstraints& constraints,
+                                  const PatchColumns& columns) {
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns.size, columns.size);
   for (const PosePrior& prior : constraints.pose_priors) {
     const PatchPose& pose = scene.poses[prior.image];
     Matrix4 T = Matrix4::Identity();
@@ -121,6 +127,7 @@ void add_priors(const PatchScene& scene,
     if (brightness[0] >= 0) S(brightness[0], brightness[0]) += constraints.weight_a;
     if (brightness[1] >= 0) S(brightness[1], brightness[1]) += constraints.weight_b;
   }
+  return S;
 }
 
 // Mean over the pixels that are read of how many reads have the same pixel nearest.
@@ -194,8 +201,7 @@ PhotometricCovariance photometric_covariance(const PatchScene& scene,
   result.overlap = overlap_of(scene);
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns.size, columns.size);
   Eigen::MatrixXd B = S;
-  add_priors(scene, constraints, columns, S);
-  B = S;
+  Eigen::MatrixXd scattered = S;
   auto num_parameters = static_cast<double>(columns.size);
   for (std::int64_t p = 0; p < N; ++p) {
     const PointSystem& system = builder.build(p);
@@ -203,10 +209,19 @@ PhotometricCovariance photometric_covariance(const PatchScene& scene,
     num_parameters += static_cast<double>(system.V.rows() - reduced.nullity);
     scatter(system.columns, system.H - reduced.Y * system.W.transpose(), S);
     scatter(system.columns, point_noise(system, reduced, result.shared_noise).reduced, B);
+    const Eigen::VectorXd gradient = system.gradient - reduced.Y * system.point_gradient;
+    scatter(system.columns, gradient * gradient.transpose(), scattered);
   }
+  const Eigen::MatrixXd priors = prior_information(scene, constraints, columns);
+  S += priors;
   const SymmetricInverse inverse = invert_symmetric(S);
   result.free_directions = inverse.nullity;
-  result.variance = variance_of(moments, num_parameters - inverse.nullity);
+  const double expected = inverse.inverse.cwiseProduct(B).sum();
+  result.variance =
+      expected > 0.0
+          ? scattered_variance(moments, inverse.inverse.cwiseProduct(scattered).sum(), expected)
+          : variance_of(moments, num_parameters);
+  B += priors;
   const Eigen::MatrixXd of_columns = inverse.inverse * B * inverse.inverse;
   result.poses = result.variance * pose_covariance(columns, of_columns);
   if (!covariance.points) return result;

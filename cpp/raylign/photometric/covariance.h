@@ -32,15 +32,18 @@ struct PhotometricCovariance {
 };
 
 /// Covariance of the estimate that `options` found, at the scene's state. H is the normal matrix
-/// with the law's weights and all free coordinates, brightness and intrinsics too; the scale comes
-/// from the residuals themselves, v = n/(n − p) E[ψ²] E[w] / E[ψ′]² with ψ = ρ′ r and w = ρ′
-/// (Huber, Robust Statistics, 1981, §7.6), which for Student's t with the fitted parameters is
-/// ν (ν + 3) / (ν + 1)² σ_t². Noise of a patch is in all its residuals at once:
+/// with the law's weights w = ρ′ and all free coordinates, brightness and intrinsics too. Noise of
+/// a patch is in all its residuals at once:
 ///
 ///   C = v H⁻¹ B H⁻¹,   B = Σ √w √w′ j j′ᵀ ((1 − s) δ_vv′ + s)   over images v, v′ of each pixel,
 ///
-/// s = shared_noise; the image that a patch was read from has none of either. For inverse depth,
-/// the points' covariances contain that of the host. Throws OptionsError for a share above 1.
+/// s = shared_noise; the image that a patch was read from has none of either. The scale v comes
+/// from how the gradients g = Σ w j r of the points scatter once the point itself is eliminated: it
+/// is tr(S⁻¹ Σ g gᵀ) over what B makes of it, times (E[w] / E[ψ′])², ψ = w r (Huber, Robust
+/// Statistics, 1981, §7.6). Unlike the variance of single residuals that counts what they have in
+/// common inside a patch, as interpolated noise has. Without free cameras v = n/(n − p) E[ψ²] E[w]
+/// / E[ψ′]². For inverse depth, the points' covariances contain that of the host. Throws
+/// OptionsError for a share above 1.
 PhotometricCovariance photometric_covariance(const PatchScene& scene,
                                              const PatchConstraints& constraints,
                                              const PatchSolveOptions& options,

@@ -102,6 +102,8 @@ const PointSystem& PointSystemBuilder::build(std::int64_t point) {
   system_.W.setZero(L, num_free);
   system_.V.setZero(num_free, num_free);
   system_.prior.setZero(num_free, num_free);
+  system_.gradient.setZero(L);
+  system_.point_gradient.setZero(num_free);
   system_.shared.setZero(n, L);
   system_.shared_point.setZero(n, num_free);
   system_.views.fill(0.0);
@@ -128,12 +130,14 @@ bool PointSystemBuilder::fill(std::int64_t point,
   fill_motion(edge.image, scene_.hosts[point], sample, motion, rows);
   fill_brightness(edge.image, scene_.hosts[point], sample, rows);
   rows.point.setZero(n, num_free);
+  rows.residual.setZero(n);
   const auto weights = pixel_weights(edge, sample, n, loss_, scope_);
   for (int i = 0; i < n; ++i) {
     rows.counts[i] = weights[i] > 0.0;
     const double root = rows.s * std::sqrt(weights[i]);
     rows.point.row(i) = -root * gradient(sample, i) * motion.point.leftCols(num_free);
     rows.camera.row(i) *= root;
+    rows.residual[i] = root * sample.residual[i];
   }
   return true;
 }
@@ -195,12 +199,15 @@ void PointSystemBuilder::add(const EdgeRows& rows) {
   const auto camera = rows.camera.leftCols(rows.num_columns);
   const Eigen::MatrixXd H = camera.transpose() * camera;
   const PointColumns W = camera.transpose() * rows.point;
+  const Eigen::VectorXd gradient = camera.transpose() * rows.residual;
   for (int a = 0; a < rows.num_columns; ++a) {
     const int to = rows.columns[a];
     for (int b = 0; b < rows.num_columns; ++b) system_.H(to, rows.columns[b]) += H(a, b);
     system_.W.row(to) += W.row(a);
+    system_.gradient[to] += gradient[a];
   }
   system_.V += rows.point.transpose() * rows.point;
+  system_.point_gradient += rows.point.transpose() * rows.residual;
   if (rows.is_host) {
     system_.host.setZero(rows.camera.rows(), system_.H.cols());
     for (int a = 0; a < rows.num_columns; ++a) {

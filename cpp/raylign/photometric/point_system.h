@@ -39,6 +39,9 @@ struct PointSystem {
   PointColumns W;            ///< (L, d)
   PointBlock V;              ///< (d, d)
   PointBlock prior;          ///< (d, d) part of V
+  /// Σ w j r, without that of the prior.
+  Eigen::VectorXd gradient;                              ///< (L,)
+  Eigen::Matrix<double, -1, 1, 0, 3, 1> point_gradient;  ///< (d,)
   /// Σ_v s √w j of each pixel over the images that are not the host: what noise of the patch does.
   /// s = 1, or 1 / gain for NoiseSite::IMAGE.
   Eigen::MatrixXd shared;                              ///< (n, L)
@@ -73,6 +76,7 @@ class PointSystemBuilder {
  private:
   static constexpr int kMaxColumns = 24;  // of two images: pose, intrinsics, a, b
   struct EdgeRows {
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, PatchPattern::kMaxPixels, 1> residual;  // √w r
     bool is_host = false;
     double s = 1.0;  // as in PointSystem
     std::array<bool, PatchPattern::kMaxPixels> counts;

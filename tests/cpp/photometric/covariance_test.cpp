@@ -69,6 +69,29 @@ class DenseScene {
     return C;
   }
 
+  /// Scatter of the points' gradients, what the point can follow taken out, over what `noise` makes
+  /// of it; both measured by the information of the cameras.
+  double scattered_variance(const Eigen::MatrixXd& noise) const {
+    const Eigen::Index c = num_camera_parameters();
+    const Eigen::VectorXd r = residuals();
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(c, c);
+    Eigen::MatrixXd found = S;
+    Eigen::MatrixXd expected = S;
+    for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
+      const Eigen::Index row = scene_.pattern.size() * scene_.starts[p];
+      const Eigen::Index rows = scene_.pattern.size() * scene_.starts[p + 1] - row;
+      const Eigen::MatrixXd J_c = J_.block(row, 0, rows, c);
+      const Eigen::MatrixXd J_p = J_.block(row, c + d_ * p, rows, d_);
+      const Eigen::MatrixXd V = J_p.transpose() * J_p;
+      const Eigen::MatrixXd Z = J_c - J_p * V.ldlt().solve(J_p.transpose() * J_c);
+      const Eigen::VectorXd g = Z.transpose() * r.segment(row, rows);
+      S += Z.transpose() * J_c;
+      found += g * g.transpose();
+      expected += Z.transpose() * noise.block(row, row, rows, rows) * Z;
+    }
+    return S.ldlt().solve(found).trace() / S.ldlt().solve(expected).trace();
+  }
+
   /// (6, 6) of the k-th free pose.
   static Matrix6 pose(const Eigen::MatrixXd& C, Eigen::Index k) {
     return C.block<6, 6>(6 * k, 6 * k);
@@ -181,15 +204,8 @@ TEST_P(CovarianceTest, IsTheInverseOfAllUnknownsAtOnce) {
   EXPECT_EQ(covariance.free_directions, 0);
 
   const DenseScene dense(scene, held);
-  double sum = 0.0;
-  double count = 0.0;
   const Eigen::MatrixXd noise = dense.noise(GetParam().share);
-  const Eigen::VectorXd r = dense.residuals();
-  for (Eigen::Index i = 0; i < r.size(); ++i) {
-    sum += noise(i, i) * r[i] * r[i];
-    count += noise(i, i);
-  }
-  EXPECT_NEAR(covariance.variance, sum / (count - double(dense.num_parameters())), 1e-9);
+  EXPECT_NEAR(covariance.variance / dense.scattered_variance(noise), 1.0, 1e-6);
 
   const Eigen::MatrixXd C = covariance.variance * sandwich(dense.J(), noise);
   for (std::size_t k = 0; k < dense.num_free_poses(); ++k) {
