@@ -108,6 +108,37 @@ PointNoise point_noise(const PointSystem& system, const ReducedPoint& reduced, d
   return noise;
 }
 
+// P Σ P of gradients of variance 1, P taking out what the point can follow.
+Eigen::MatrixXd reduced_steepness(const PointSystem& system, const ReducedPoint& reduced) {
+  const Eigen::MatrixXd half = system.steep_W * reduced.Y.transpose();
+  return system.steep_H - half - half.transpose() +
+         reduced.Y * system.steep_V * reduced.Y.transpose();
+}
+
+// Variance of the interpolated gradient, mean over the position in the cell, for noise of variance
+// one: of white noise through the interpolant's frequency response.
+double gradient_noise_gain(SampleInterpolation interpolation) {
+  switch (interpolation) {
+    case SampleInterpolation::CUBIC_BSPLINE:
+      return 2.163;
+    case SampleInterpolation::CENTRAL_DIFFERENCE:
+      return 2.0 / 9.0;
+    case SampleInterpolation::BILINEAR:
+      break;
+  }
+  return 4.0 / 3.0;
+}
+
+// Noise of the gradients makes H larger than the curvature of the cost that it stands for by a
+// share e, and C, in which H⁻¹ stands three times and H twice, too small by (1 − e)².
+double gradient_noise_factor(SampleInterpolation interpolation,
+                             double image_variance,
+                             double steep_share) {
+  const double share = gradient_noise_gain(interpolation) * image_variance * steep_share;
+  const double rest = 1.0 - std::min(share, 0.5);  // beyond, nothing here is an expansion any more
+  return 1.0 / (rest * rest);
+}
+
 // Of the priors on poses and brightness.
 Eigen::MatrixXd prior_information(const PatchScene& scene,
                                   const PatchConstraints& constraints,
@@ -202,6 +233,7 @@ PhotometricCovariance photometric_covariance(const PatchScene& scene,
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns.size, columns.size);
   Eigen::MatrixXd B = S;
   Eigen::MatrixXd scattered = S;
+  Eigen::MatrixXd steep = S;
   auto num_parameters = static_cast<double>(columns.size);
   for (std::int64_t p = 0; p < N; ++p) {
     const PointSystem& system = builder.build(p);
@@ -209,6 +241,7 @@ PhotometricCovariance photometric_covariance(const PatchScene& scene,
     num_parameters += static_cast<double>(system.V.rows() - reduced.nullity);
     scatter(system.columns, system.H - reduced.Y * system.W.transpose(), S);
     scatter(system.columns, point_noise(system, reduced, result.shared_noise).reduced, B);
+    scatter(system.columns, reduced_steepness(system, reduced), steep);
     const Eigen::VectorXd gradient = system.gradient - reduced.Y * system.point_gradient;
     scatter(system.columns, gradient * gradient.transpose(), scattered);
   }
@@ -222,6 +255,9 @@ PhotometricCovariance photometric_covariance(const PatchScene& scene,
           ? scattered_variance(moments, inverse.inverse.cwiseProduct(scattered).sum(), expected)
           : variance_of(moments, num_parameters);
   B += priors;
+  result.variance *= gradient_noise_factor(
+      scene.interpolation, (1.0 - result.shared_noise) * result.variance,
+      inverse.inverse.cwiseProduct(steep).sum() / double(std::max<std::int64_t>(columns.size, 1)));
   const Eigen::MatrixXd of_columns = inverse.inverse * B * inverse.inverse;
   result.poses = result.variance * pose_covariance(columns, of_columns);
   if (!covariance.points) return result;

@@ -101,6 +101,9 @@ const PointSystem& PointSystemBuilder::build(std::int64_t point) {
   system_.H.setZero(L, L);
   system_.W.setZero(L, num_free);
   system_.V.setZero(num_free, num_free);
+  system_.steep_H.setZero(L, L);
+  system_.steep_W.setZero(L, num_free);
+  system_.steep_V.setZero(num_free, num_free);
   system_.prior.setZero(num_free, num_free);
   system_.gradient.setZero(L);
   system_.point_gradient.setZero(num_free);
@@ -130,10 +133,14 @@ bool PointSystemBuilder::fill(std::int64_t point,
   fill_motion(edge.image, scene_.hosts[point], sample, motion, rows);
   fill_brightness(edge.image, scene_.hosts[point], sample, rows);
   rows.point.setZero(n, num_free);
+  rows.point_moves = motion.point;
+  rows.steepness = 0.0;
+  const double step = std::ldexp(rows.s * sample.brightness.gain, -edge.level);
   rows.residual.setZero(n);
   const auto weights = pixel_weights(edge, sample, n, loss_, scope_);
   for (int i = 0; i < n; ++i) {
     rows.counts[i] = weights[i] > 0.0;
+    rows.steepness += weights[i] * step * step;
     const double root = rows.s * std::sqrt(weights[i]);
     rows.point.row(i) = -root * gradient(sample, i) * motion.point.leftCols(num_free);
     rows.camera.row(i) *= root;
@@ -147,7 +154,8 @@ void PointSystemBuilder::fill_motion(std::int32_t j,
                                      const EdgeSample& sample,
                                      const EdgeMotion& motion,
                                      EdgeRows& rows) const {
-  Eigen::Matrix<double, 2, kMaxColumns> moves;
+  auto& moves = rows.moves;
+  moves.setZero();
   int k = 0;
   const auto add_pose = [&](std::int32_t image, const RowMajor<2, 6>& by_pose) {
     const PoseEmbedding& E = columns_.embeddings[image];
@@ -200,13 +208,22 @@ void PointSystemBuilder::add(const EdgeRows& rows) {
   const Eigen::MatrixXd H = camera.transpose() * camera;
   const PointColumns W = camera.transpose() * rows.point;
   const Eigen::VectorXd gradient = camera.transpose() * rows.residual;
+  const auto moves = rows.moves.leftCols(rows.num_columns);
+  const auto point_moves = rows.point_moves.leftCols(rows.point.cols());
+  const Eigen::MatrixXd steep_H = rows.steepness * moves.transpose() * moves;
+  const PointColumns steep_W = rows.steepness * moves.transpose() * point_moves;
   for (int a = 0; a < rows.num_columns; ++a) {
     const int to = rows.columns[a];
-    for (int b = 0; b < rows.num_columns; ++b) system_.H(to, rows.columns[b]) += H(a, b);
+    for (int b = 0; b < rows.num_columns; ++b) {
+      system_.H(to, rows.columns[b]) += H(a, b);
+      system_.steep_H(to, rows.columns[b]) += steep_H(a, b);
+    }
     system_.W.row(to) += W.row(a);
+    system_.steep_W.row(to) += steep_W.row(a);
     system_.gradient[to] += gradient[a];
   }
   system_.V += rows.point.transpose() * rows.point;
+  system_.steep_V += rows.steepness * point_moves.transpose() * point_moves;
   system_.point_gradient += rows.point.transpose() * rows.residual;
   if (rows.is_host) {
     system_.host.setZero(rows.camera.rows(), system_.H.cols());

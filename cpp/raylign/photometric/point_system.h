@@ -42,6 +42,10 @@ struct PointSystem {
   /// Σ w j r, without that of the prior.
   Eigen::VectorXd gradient;                              ///< (L,)
   Eigen::Matrix<double, -1, 1, 0, 3, 1> point_gradient;  ///< (d,)
+  /// What gradients of variance 1 per pixel of the image, in each direction, add to H, W and V.
+  Eigen::MatrixXd steep_H;
+  PointColumns steep_W;
+  PointBlock steep_V;
   /// Σ_v s √w j of each pixel over the images that are not the host: what noise of the patch does.
   /// s = 1, or 1 / gain for NoiseSite::IMAGE.
   Eigen::MatrixXd shared;                              ///< (n, L)
@@ -81,6 +85,9 @@ class PointSystemBuilder {
     double s = 1.0;  // as in PointSystem
     std::array<bool, PatchPattern::kMaxPixels> counts;
     int num_columns = 0;
+    double steepness = 0.0;                       // Σ w (gain / px per pixel of the level)²
+    Eigen::Matrix<double, 2, kMaxColumns> moves;  // of (u, v), by column
+    RowMajor<2, 3> point_moves;
     std::array<int, kMaxColumns> columns;  // of PatchColumns, then of the point's system
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, PatchPattern::kMaxPixels, kMaxColumns>
         camera;  // (n, kMaxColumns) √w j, num_columns of them
