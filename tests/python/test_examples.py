@@ -21,6 +21,12 @@ FIGURES = {
     "point_parametrisations": ["point-parametrisations"],
     "graph_structure": ["graph-structure", "fill-in"],
     "modern_synthesis": ["robust-losses", "gauge"],
+    "photometric_questions": [
+        "photometric-inverse-depth",
+        "photometric-patch-size",
+        "photometric-features",
+        "photometric-threshold",
+    ],
 }
 MAX_FIGURE_BYTES = 150_000
 
@@ -52,7 +58,7 @@ def run_example(tmp_path_factory: pytest.TempPathFactory):
 
 
 def test_every_example_is_listed():
-    assert {p.stem for p in THEORY.glob("*.py")} == {*FIGURES, "common"}
+    assert {p.stem for p in THEORY.glob("*.py")} == {*FIGURES, "common", "photometric_room"}
 
 
 @pytest.mark.slow

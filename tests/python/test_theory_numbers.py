@@ -160,6 +160,47 @@ def test_sphere_plus_jacobian_is_half_of_a_householder_matrix():
         )
 
 
+# --- photometric bundle adjustment ---
+
+
+def test_the_exercise_misprints_two_entries_of_the_pose_jacobian():
+    """∂(u, v)/∂ξ of photometric.md is the derivative; the printed column 6 is not."""
+    fx, fy = 277.34, 291.402
+    x, y, z = q = np.array([0.4, -0.3, 1.7])
+
+    def project(xi: np.ndarray) -> np.ndarray:
+        p = raylign.geometry.se3_exp(xi) @ np.append(q, 1.0)
+        return np.array([fx * p[0] / p[2], fy * p[1] / p[2]])
+
+    h = 1e-5 * np.eye(6)
+    numeric = np.column_stack([(project(e) - project(-e)) / 2e-5 for e in h])
+    right = np.array(
+        [
+            [fx / z, 0, -fx * x / z**2, -fx * x * y / z**2, fx * (1 + x**2 / z**2), -fx * y / z],
+            [0, fy / z, -fy * y / z**2, -fy * (1 + y**2 / z**2), fy * x * y / z**2, fy * x / z],
+        ]
+    )
+    np.testing.assert_allclose(right, numeric, atol=1e-6)
+    printed = np.array([-fy * y / z, fy * x * y / z])
+    assert (np.abs(printed - numeric[:, 5]) > 1.0).all()
+
+
+@pytest.mark.slow
+def test_answers_on_photometric_adjustment_are_the_script_s(run_example):  # noqa: F811
+    numbers = run_example("photometric_questions")[0]
+    far = numbers["depths"][1]
+    assert abs(far["asymmetry_rho"]) < 0.1 < far["asymmetry_z"]
+    error = {row["pattern"]: row["error_px"] for row in numbers["patterns"]}
+    assert error["custom"] > error["3x3"] > error["4x4"] > error["5x5"]
+    by_start = {row["start_px"]: row for row in numbers["basin"]}
+    assert by_start[6.0]["four_levels"] < by_start[6.0]["features"]
+    assert by_start[20.0]["features"] < 1.0 < by_start[20.0]["one_level"]
+    clean, spoilt = numbers["threshold"]
+    assert spoilt["student_t"] < spoilt["huber"]
+    assert spoilt["5"] > 2.0 * clean["5"]
+    assert spoilt["nu"] < 4.0 < clean["nu"]
+
+
 # --- the front page ---
 
 
