@@ -22,7 +22,7 @@ constexpr int kHeight = 240;
 constexpr double kFocal = 220.0;  // px
 constexpr double kCu = 0.5 * (kWidth - 1);
 constexpr double kCv = 0.5 * (kHeight - 1);
-constexpr int kSpacing = 16;  // px between points
+constexpr int kSpacing = 10;  // px between points
 
 void set_pose(raylign::PhotometricProblem& problem, int i, const raylign::Matrix4& T) {
   const raylign::RowMajor<4, 4> rows = T;
