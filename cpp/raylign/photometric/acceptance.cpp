@@ -20,10 +20,11 @@ constexpr double kMaxPriorDistance = 40.0;  // χ² with 6 degrees of freedom: o
 // An edge is matched when the residuals keep less than this share of the patch's contrast. A wrong
 // minimum leaves less than a third of the edges of some image matched, a right one three quarters
 // in all, and a start that is out of reach 3 % (rendered rooms). Images that nobody has corrected
-// show 25 to 50 % at a good start, 40 to 65 % at the end.
+// show 6 to 50 % at a good start, 35 to 65 % at the end.
 constexpr double kUnexplained = 0.25;
 constexpr double kEnoughMatched = 0.5;
-constexpr double kGoodStart = 0.15;
+constexpr double kGoodStart = 0.05;
+constexpr double kKept = 0.85;  // of the matched edges of such a start
 constexpr std::int64_t kEdgesThatTell = 8;
 
 // In the way of neither another point nor the border: what a change of state can be held to.
@@ -113,7 +114,8 @@ std::int64_t lost_image(const std::vector<ImageMatch>& matches,
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const ImageMatch& match = matches[i];
     if (match.num_edges < kEdgesThatTell || same_pose(start.poses[i], refined.poses[i])) continue;
-    const bool was_good = match.share_before() >= kGoodStart && match.num_after >= match.num_before;
+    const bool was_good =
+        match.share_before() >= kGoodStart && match.share_after() >= kKept * match.share_before();
     if (match.share_after() < kEnoughMatched && !was_good) return static_cast<std::int64_t>(i);
   }
   return -1;

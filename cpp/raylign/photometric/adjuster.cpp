@@ -10,6 +10,7 @@
 #include "raylign/photometric/brightness_start.h"
 #include "raylign/photometric/constraints.h"
 #include "raylign/photometric/covariance.h"
+#include "raylign/photometric/judge.h"
 #include "raylign/photometric/levels.h"
 #include "raylign/photometric/refinement.h"
 #include "raylign/photometric/report.h"
@@ -148,7 +149,10 @@ class Adjustment {
     const PhotometricState& state = returns_refined() ? refined : given_;
     store(state, given_, setting_.problem, result_);
     const Views before = find_views(setting_, start_, 0);
-    const Views after = returns_refined() ? find_views(setting_, refined, 0) : before;
+    Views after = returns_refined() ? find_views(setting_, refined, 0) : before;
+    if (returns_refined() && options_.visibility.rule == VisibilityRule::AUTO) {
+      mark_diverged(setting_, refinement.law().noise.sigma, after);
+    }
     report_views(setting_, before, after, base_.points, result_);
     if (returns_refined()) add_covariances(refinement, after);
     result_.rounds = refinement.rounds();

@@ -9,6 +9,11 @@
 namespace raylign::photometric {
 namespace {
 
+// Of a view that shows something else: median |r| in σ (0.67 where the patch is shown), and the
+// share of the contrast that is left (0.02 on rendered rooms at σ = 2).
+constexpr double kDivergedResidual = 1.5;
+constexpr double kDivergedShare = 0.06;
+
 double contrast_of(const float* patch, int n) {
   double sum = 0.0;
   double squares = 0.0;
@@ -114,6 +119,28 @@ void judge(const Setting& setting, const PatchSources& sources, Views& views) {
       if (views.edges[e] == EdgeStatus::OK) views.edges[e] = EdgeStatus::NOT_USED;
     }
   }
+}
+
+void mark_diverged(const Setting& setting, double sigma, Views& views) {
+  const PatchScene& scene = views.scene;
+  for_each_point(setting.pool, setting.num_points(), [&](std::int64_t p) {
+    if (views.points[p] != PointStatus::OK) return;
+    int num_ok = 0;
+    int num_other = 0;
+    for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
+      if (views.edges[e] != EdgeStatus::OK || setting.is_host(p, scene.edges[e].image)) continue;
+      const Match match = match_of(scene, p, scene.edges[e]);
+      ++num_ok;
+      if (match.median_residual > kDivergedResidual * sigma && match.unexplained > kDivergedShare) {
+        ++num_other;
+      }
+    }
+    if (2 * num_other < num_ok || num_ok == 0) return;
+    views.points[p] = PointStatus::DIVERGED;
+    for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
+      if (views.edges[e] == EdgeStatus::OK) views.edges[e] = EdgeStatus::NOT_USED;
+    }
+  });
 }
 
 }  // namespace raylign::photometric
