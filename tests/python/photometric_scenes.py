@@ -11,7 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from raylign import synthetic
+from raylign import photometric, synthetic
+from raylign.bundle import BundleConfig
 from raylign.camera import PinholeCamera
 from raylign.geometry import se3_exp, se3_inverse
 
@@ -20,6 +21,9 @@ CAMERA = PinholeCamera(300.0, 300.0, 239.5, 179.5)
 NUM_CAMERAS = 7
 NUM_POINTS = 760
 MARGIN = 6.0  # px between a projection and the border for a view to count as seen
+SATURATING = 1.4  # exposure at which a twentieth of the pixels are white
+BORDER = int(MARGIN) + 6  # px of a host without points
+APART = 7  # px between points, so that no two read the same pixels
 BOARD_FACE = 6  # the room has faces 0 to 5
 
 
@@ -94,16 +98,7 @@ def make(
             offset = (0.9 * (j / (NUM_CAMERAS - 1) - 0.5), 0.25 * (-1) ** j)
             scene += synthetic.board(seed=seed, distance=1.35, size=(0.66, 0.52), offset=offset)
         frames.append(_render(scene, T))
-    per_host = [len(part) for part in np.array_split(np.arange(num_points), NUM_CAMERAS)]
-    chosen = [_best_pixels(f, n) for f, n in zip(frames, per_host, strict=True)]
-    hosts = np.repeat(np.arange(NUM_CAMERAS, dtype=np.int32), [len(uv) for uv in chosen])
-    host_uv = np.concatenate(chosen).astype(np.float64)
-    columns, rows = host_uv.astype(int).T
-    depth = np.array([frames[h].depth[v, u] for h, u, v in zip(hosts, columns, rows, strict=True)])
-    normals = np.array(
-        [frames[h].normal[v, u] for h, u, v in zip(hosts, columns, rows, strict=True)]
-    )
-    points = back_project(T_cw, hosts, host_uv, depth)
+    hosts, host_uv, normals, points = _choose(frames, T_cw, num_points)
     seen = _visible(frames, T_cw, points)
     kept = seen.sum(axis=1) >= 3
     return Truth(
@@ -124,25 +119,54 @@ def _render(scene: synthetic.Scene, T_cw: np.ndarray) -> synthetic.Frame:
     return synthetic.render(scene, CAMERA, T_cw, width=WIDTH, height=HEIGHT, options=options)
 
 
-def _best_pixels(frame: synthetic.Frame, count: int) -> np.ndarray:
-    """(count, 2) pixels (u, v): the steepest of each cell of a grid, off the edges of the room."""
+def _choose(frames: list[synthetic.Frame], T_cw: np.ndarray, num_points: int):
+    """Points of all hosts. No two share pixels: their noise would not be independent."""
+    hosts, host_uv, normals, points = [], [], [], np.zeros((0, 3))
+    for h, part in enumerate(np.array_split(np.arange(num_points), NUM_CAMERAS)):
+        score = _steepness(frames[h])
+        taken = np.rint(project(T_cw[h : h + 1], points)[0][:, 0]).astype(int)
+        for u, v in taken:
+            _block(score, u, v)
+        uv = _best_pixels(score, len(part))
+        depth = np.array([frames[h].depth[v, u] for u, v in uv])
+        at = np.full(len(uv), h, np.int32)
+        points = np.concatenate([points, back_project(T_cw, at, uv.astype(float), depth)])
+        hosts.append(at)
+        host_uv.append(uv.astype(np.float64))
+        normals.append(frames[h].normal[uv[:, 1], uv[:, 0]])
+    return np.concatenate(hosts), np.concatenate(host_uv), np.concatenate(normals), points
+
+
+def _steepness(frame: synthetic.Frame) -> np.ndarray:
+    """Size of the gradient (H, W); zero by the image border and the edges of the room."""
     gv, gu = np.gradient(frame.irradiance)
     score = np.hypot(gu, gv)
     reach = 5
-    flat = np.ones_like(frame.valid)
+    flat = frame.face < BOARD_FACE
     for dv in (-reach, 0, reach):
         for du in (-reach, 0, reach):
             flat &= np.roll(frame.face, (dv, du), axis=(0, 1)) == frame.face
-    score[~flat | (frame.face >= BOARD_FACE)] = 0.0
-    border = int(MARGIN) + 6
-    score[:border], score[-border:], score[:, :border], score[:, -border:] = 0.0, 0.0, 0.0, 0.0
-    side = np.sqrt((WIDTH - 2 * border) * (HEIGHT - 2 * border) / (1.25 * count))
+    score[~flat] = 0.0
+    score[:BORDER], score[-BORDER:], score[:, :BORDER], score[:, -BORDER:] = 0.0, 0.0, 0.0, 0.0
+    return score
+
+
+def _block(score: np.ndarray, u: int, v: int) -> None:
+    rows = slice(max(v - APART, 0), max(v + APART + 1, 0))
+    score[rows, max(u - APART, 0) : max(u + APART + 1, 0)] = 0.0
+
+
+def _best_pixels(score: np.ndarray, count: int) -> np.ndarray:
+    """(count, 2) pixels (u, v): the best of each cell of a grid."""
+    side = np.sqrt((WIDTH - 2 * BORDER) * (HEIGHT - 2 * BORDER) / (1.25 * count))
     best = []
-    for v0 in np.arange(border, HEIGHT - border - side / 2, side):
-        for u0 in np.arange(border, WIDTH - border - side / 2, side):
+    for v0 in np.arange(BORDER, HEIGHT - BORDER - side / 2, side):
+        for u0 in np.arange(BORDER, WIDTH - BORDER - side / 2, side):
             cell = score[int(v0) : int(v0 + side), int(u0) : int(u0 + side)]
             v, u = np.unravel_index(cell.argmax(), cell.shape)
             best.append((cell[v, u], int(u0) + u, int(v0) + v))
+            _block(score, int(u0) + u, int(v0) + v)
+    best = [item for item in best if item[0] > 0.0]
     best.sort(key=lambda item: -item[0])
     return np.array([(u, v) for _, u, v in best[:count]])
 
@@ -281,3 +305,43 @@ def with_wrong_depths(
 def centre_errors(truth: Truth, T_cw: np.ndarray) -> np.ndarray:
     """(M,) m between the true and the found camera centres."""
     return np.linalg.norm(se3_inverse(T_cw)[:, :3, 3] - truth.centres, axis=1)
+
+
+HELD = BundleConfig(gauge="free", constant_cameras=[0, NUM_CAMERAS - 1])
+
+
+def problem(truth: Truth, images: list[np.ndarray], start: Start, **known) -> photometric.Problem:
+    """The start with everything that a front end knows: hosts, their pixels, normals."""
+    arguments = {
+        "host": truth.hosts,
+        "host_uv": truth.host_uv,
+        "normals": truth.normals,
+        **known,
+    }
+    return photometric.Problem(images, CAMERA, start.T_cw, start.points, **arguments)
+
+
+def refine(
+    truth: Truth,
+    images: list[np.ndarray],
+    start: Start,
+    *,
+    config: BundleConfig = HELD,
+    **changes,
+) -> photometric.PhotometricResult:
+    """`adjust` with the first and the last camera held; `changes`: options."""
+    options = photometric.PhotometricOptions(**changes)
+    return photometric.adjust(problem(truth, images, start), config=config, options=options)
+
+
+def centre_rms(truth: Truth, T_cw: np.ndarray) -> float:
+    """Root mean square distance to the true centres, m, without those that `HELD` holds."""
+    return float(np.sqrt(np.mean(centre_errors(truth, T_cw)[1:-1] ** 2)))
+
+
+def point_errors_px(truth: Truth, result: photometric.PhotometricResult) -> np.ndarray:
+    """(N,) px: median over the views of the distance from the true projections."""
+    found, _ = project(result.T_cw, result.points)
+    true, _ = project(truth.T_cw, truth.points)
+    distance = np.linalg.norm(found - true, axis=-1)
+    return np.nanmedian(np.where(truth.seen, distance, np.nan), axis=1)
