@@ -15,7 +15,7 @@ namespace {
 // Gauss-Newton steps of a point after the joint step, at most.
 constexpr int kMaxRefinements = 3;
 // A point is worth another one that promises to lower its cost by this share.
-constexpr double kWorthwhile = 1e-5;
+constexpr double kWorthwhile = 1e-3;
 
 // A point as its observations see it from given cameras.
 struct PointView {
