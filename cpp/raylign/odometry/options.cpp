@@ -33,6 +33,7 @@ TrackingOptions OdometryOptions::default_tracking() {
   tracking.depth.estimate_weight = false;
   tracking.depth.weight = 60.0;
   tracking.lm.function_tolerance = 1e-2;
+  tracking.acceptance.min_agreement = 0.1;
   return tracking;
 }
 

@@ -50,7 +50,8 @@ struct OdometryOptions {
 
   /// TrackingOptions with a fixed weight of the depth term, 60: on real sequences the weight that
   /// is estimated from single pairs comes out too small and jumps (docs/benchmarks-tracking.md).
-  /// Levels end at a change of the cost of 1 %.
+  /// Levels end at a change of the cost of 1 %. The agreement asked for is lower than by itself:
+  /// where the images leave doubt, min_depth_agreement decides.
   static TrackingOptions default_tracking();
   /// At most 8000 points per level, also where there is little gradient: with depth they count.
   static KeyframeOptions default_keyframe();

@@ -73,7 +73,7 @@ struct AcceptanceOptions {
   int min_points = 50;          ///< reference points on the finest level, >= 1
   double min_overlap = 0.3;     ///< share of them within the target's view, in [0, 1]
   double min_good_ratio = 0.5;  ///< share of those in view with r² < 40² + |∇I|²/4, in [0, 1]
-  double min_agreement = 0.1;   ///< AlignmentResult::agreement, in [0, 1]
+  double min_agreement = 0.15;  ///< AlignmentResult::agreement, in [0, 1]
   /// Bounds of the motion from keyframe to target: translation as a share of the mean depth, and
   /// rotation in rad; > 0.
   double max_translation = 1.0;
