@@ -258,7 +258,7 @@ def exercise(_: int) -> dict:
     folder = Path(os.environ.get("RAYLIGN_DATA", ROOT.parent / "shared" / "data")) / "direct_ba"
     if not folder.is_dir():
         return {"error": f"no data in {folder}"}
-    K = [277.34, 291.402, 312.234, 239.777]
+    K = [float(np.float32(x)) for x in (277.34, 291.402, 312.234, 239.777)]  # as the exercise
     files = [folder / f"{i}.png" for i in range(7)]
     names = (folder / "points.txt", folder / "poses.txt")
     way = photometric.preset("exercise")
@@ -267,8 +267,12 @@ def exercise(_: int) -> dict:
     real = photometric.Problem.from_text(*names, files, K)
     result = photometric.adjust(real, options=PhotometricOptions())
     before, after = median_pixel(result)
-    steps = [(row.cost, row.lambda_) for row in own.summary.iterations]
-    return {"preset_start": steps[0], "preset_first_step": steps[1], "preset_end": steps[-1],
+    # chi2 as the exercise prints it, after each step that it took
+    steps = [(2.0 * float(row["cost"]), float(row["lambda"]))
+             for row in own.summary.iterations
+             if row["iteration"] == 0 or row["step_is_accepted"]]  # fmt: skip
+    return {"preset_start": steps[0], "preset_first_step": steps[1],
+            "preset_step_35": steps[min(35, len(steps) - 1)],
             "default_median_pixel": {"before": before, "after": after},
             "default_accepted": result.accepted, "sigma": result.sigma, "nu": result.nu,
             "views": int((result.edge_status == EdgeStatus.OK.value).sum()),
