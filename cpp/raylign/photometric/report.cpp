@@ -98,7 +98,9 @@ void report_views(const Setting& setting,
   RmsTables after(end, M);
   std::vector<std::vector<double>> shifts(M);
   for (std::int64_t p = 0; p < setting.num_points(); ++p) {
-    if (held[p] && end.points[p] == PointStatus::OK) result.point_status[p] = PointStatus::FIXED;
+    const bool was_used =
+        end.points[p] == PointStatus::OK || end.points[p] == PointStatus::DIVERGED;
+    if (held[p] && was_used) result.point_status[p] = PointStatus::FIXED;  // it had no say
     for (std::int64_t e = end.scene.starts[p]; e < end.scene.starts[p + 1]; ++e) {
       const PatchEdge& edge = end.scene.edges[e];
       if (end.edges[e] != EdgeStatus::OK) continue;

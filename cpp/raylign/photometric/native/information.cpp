@@ -49,23 +49,32 @@ Matrix3 ReducedInformation::point_covariance(std::int64_t p,
 ReducedInformation reduced_information(const PatchScene& scene,
                                        const PatchConstraints& constraints,
                                        const PatchSolveOptions& options) {
-  check_solvable(scene, constraints);
+  check_solvable(scene, constraints, options);
   PatchProblem problem(scene, constraints, options);
   problem.linearize();
   ReducedInformation out{problem.columns(), problem.reduced_system(), {}, {}, {}, {}};
   const SchurArrays& schur = problem.schur();
-  const std::int64_t N = scene.num_points();
-  for (std::int64_t p = 0; p < N; ++p) out.point_inverse.push_back(inverse_of(schur.factors[p]));
-  out.slot_starts.assign(schur.slot_starts, schur.slot_starts + N + 1);
-  out.slot_images.assign(schur.slot_images, schur.slot_images + out.slot_starts.back());
-  out.W.assign(schur.W, schur.W + out.slot_starts.back() * 3 * schur.num_columns);
+  const std::vector<std::int64_t>& points = problem.layout().points();
+  std::vector<std::size_t> places(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) places[points[k]] = k;
+  out.slot_starts.push_back(0);
+  for (const std::size_t k : places) {
+    out.point_inverse.push_back(inverse_of(schur.factors[k]));
+    const std::int64_t first = schur.slot_starts[k];
+    const std::int64_t last = schur.slot_starts[k + 1];
+    out.slot_images.insert(out.slot_images.end(), schur.slot_images + first,
+                           schur.slot_images + last);
+    const int size = 3 * schur.num_columns;
+    out.W.insert(out.W.end(), schur.W + first * size, schur.W + last * size);
+    out.slot_starts.push_back(out.slot_starts.back() + last - first);
+  }
   return out;
 }
 
 double max_diagonal(const PatchScene& scene,
                     const PatchConstraints& constraints,
                     const PatchSolveOptions& options) {
-  check_solvable(scene, constraints);
+  check_solvable(scene, constraints, options);
   PatchProblem problem(scene, constraints, options);
   problem.linearize();
   return problem.max_diagonal();

@@ -7,8 +7,8 @@
 namespace raylign::native {
 namespace {
 
-// Walks points [begin, end), the next one's pixels on their way while one is worked on; calls
-// visit(p, ahead).
+// Walks points [begin, end), the next one projected while one is worked on; calls visit(p, of p, of
+// p + 1).
 template <typename Visit>
 RAYLIGN_INLINE void for_each_point(const PatchArrays& arrays,
                                    const PatchStateArrays& state,
@@ -19,7 +19,7 @@ RAYLIGN_INLINE void for_each_point(const PatchArrays& arrays,
   if (begin < end) look_ahead(arrays, state, begin, ahead[0]);
   for (std::int64_t p = begin; p < end; ++p) {
     if (p + 1 < end) look_ahead(arrays, state, p + 1, ahead[(p + 1 - begin) & 1]);
-    visit(p, ahead[(p - begin) & 1]);
+    visit(p, ahead[(p - begin) & 1], ahead[(p + 1 - begin) & 1]);
   }
 }
 
@@ -44,7 +44,8 @@ RAYLIGN_INLINE PatchSums linearize(const PatchArrays& arrays,
   LogSum logs;
   for_each_point(
       arrays, state, begin, end,
-      [&](std::int64_t p, const PointAhead& ahead) __attribute__((always_inline)) {
+      [&](std::int64_t p, const PointAhead& ahead,
+          const PointAhead& next) __attribute__((always_inline)) {
         out.points[p] = PointBlock{};
         double* W = out.W + arrays.slot_starts[p] * 3 * C;
         const std::int64_t num_slots = arrays.slot_starts[p + 1] - arrays.slot_starts[p];
@@ -53,6 +54,7 @@ RAYLIGN_INLINE PatchSums linearize(const PatchArrays& arrays,
         const std::int64_t first = arrays.starts[p];
         for (std::int64_t e = first; e < arrays.starts[p + 1]; ++e) {
           const KernelEdge& edge = arrays.edges[e];
+          if (p + 1 < end) prefetch_edge(arrays, p + 1, next, e - first);
           if (edge_costs != nullptr) edge_costs[e] = -1.0;
           if (!edge.is_alive) continue;
           const double scale = 1.0 / static_cast<double>(std::int64_t{1} << edge.level);
@@ -113,11 +115,13 @@ PatchSums evaluate_points(const PatchArrays& arrays,
   LogSum logs;
   for_each_point(
       arrays, state, begin, end,
-      [&](std::int64_t p, const PointAhead& ahead) __attribute__((always_inline)) {
+      [&](std::int64_t p, const PointAhead& ahead,
+          const PointAhead& next) __attribute__((always_inline)) {
         const float* c = arrays.patches + p * arrays.padded_pixels;
         const std::int64_t first = arrays.starts[p];
         for (std::int64_t e = first; e < arrays.starts[p + 1]; ++e) {
           const KernelEdge& edge = arrays.edges[e];
+          if (p + 1 < end) prefetch_edge(arrays, p + 1, next, e - first);
           if (!edge.is_alive) continue;
           const double scale = 1.0 / static_cast<double>(std::int64_t{1} << edge.level);
           Projection projection;

@@ -3,7 +3,9 @@
 #include "raylign/photometric/native/patch_layout.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "raylign/base/error.h"
 
@@ -59,6 +61,7 @@ PatchLayout::PatchLayout(const PatchScene& scene,
   arrays_.inverse_depth = scene.inverse_depth;
   arrays_.with_intrinsics = with_intrinsics;
   set_law(options, arrays_);
+  order_points(scene);
   load_pattern(scene);
   load_planes(scene);
   load_hosts(scene);
@@ -66,6 +69,38 @@ PatchLayout::PatchLayout(const PatchScene& scene,
   load_slots(scene);
   if (options.leaving == LeavingRule::ZERO) was_out_.assign(edges_.size(), 0);
   point_at_tables();
+}
+
+std::int64_t PatchLayout::num_living_pixels() const {
+  std::int64_t count = 0;
+  for (const KernelEdge& edge : edges_) {
+    if (edge.is_alive) count += __builtin_popcount(edge.mask);
+  }
+  return count;
+}
+
+// By host, or first image, and there by rows of tiles.
+void PatchLayout::order_points(const PatchScene& scene) {
+  constexpr double kTile = 16.0;  // px
+  using Key = std::tuple<std::int32_t, std::int64_t, double>;
+  std::vector<Key> keys;
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    std::int32_t image = scene.hosts[p];
+    Vector2 uv = scene.host_uv.row(p).transpose();
+    if (image < 0 && scene.starts[p] < scene.starts[p + 1]) {
+      image = scene.edges[scene.starts[p]].image;
+      const PatchPose& pose = scene.poses[image];
+      const auto K = scene.intrinsics.row(scene.intrinsics_row(image));
+      const Vector3 q = pose.q * scene.points.row(p).transpose() + pose.t;
+      uv = {K[0] * q.x() / q.z() + K[2], K[1] * q.y() / q.z() + K[3]};
+    }
+    const bool is_place = std::abs(uv.x()) < 1e6 && std::abs(uv.y()) < 1e6;  // false for NaN
+    if (!is_place) uv.setZero();
+    keys.emplace_back(image, static_cast<std::int64_t>(uv.y() / kTile), uv.x());
+    points_.push_back(p);
+  }
+  std::stable_sort(points_.begin(), points_.end(),
+                   [&](std::int64_t a, std::int64_t b) { return keys[a] < keys[b]; });
 }
 
 // The square readers go along rows, the pattern along columns; the rest keeps its order.
@@ -83,10 +118,11 @@ void PatchLayout::load_pattern(const PatchScene& scene) {
   }
   patches_.assign(static_cast<std::size_t>(scene.num_points()) * arrays_.padded_pixels, 0.0f);
   float* out = patches_.data();
-  for (std::int64_t p = 0; p < scene.num_points(); ++p, out += arrays_.padded_pixels) {
+  for (const std::int64_t p : points_) {
     for (int k = 0; k < arrays_.padded_pixels; ++k) {
       if (order_[k] >= 0) out[k] = scene.patch(p)[order_[k]];
     }
+    out += arrays_.padded_pixels;
   }
 }
 
@@ -101,28 +137,36 @@ void PatchLayout::load_planes(const PatchScene& scene) {
 }
 
 void PatchLayout::load_hosts(const PatchScene& scene) {
-  hosts_ = scene.hosts;
-  has_hosts_ = std::any_of(hosts_.begin(), hosts_.end(), [](std::int32_t h) { return h >= 0; });
-  host_uv_.assign(scene.host_uv.data(), scene.host_uv.data() + scene.host_uv.size());
+  for (const std::int64_t p : points_) {
+    hosts_.push_back(scene.hosts[p]);
+    host_uv_.push_back(scene.host_uv(p, 0));
+    host_uv_.push_back(scene.host_uv(p, 1));
+    has_hosts_ |= scene.hosts[p] >= 0;
+  }
 }
 
 void PatchLayout::load_edges(const PatchScene& scene) {
-  starts_ = scene.starts;
   edges_.reserve(scene.edges.size());
-  for (const PatchEdge& from : scene.edges) {
-    KernelEdge edge{};
-    edge.image = from.image;
-    edge.plane = first_plane_[from.image] + from.level;
-    edge.level = static_cast<std::int16_t>(from.level);
-    for (int k = 0; k < arrays_.padded_pixels; ++k) {
-      const bool counts = order_[k] >= 0 && (from.mask >> order_[k] & 1u) != 0u;
-      edge.mask |= static_cast<std::uint32_t>(counts) << k;
-    }
-    std::copy(from.A.begin(), from.A.end(), edge.A);
-    edge.has_warp = from.A != std::array<float, 4>{1.0f, 0.0f, 0.0f, 1.0f};
-    edge.is_alive = true;
-    edges_.push_back(edge);
+  starts_.push_back(0);
+  for (const std::int64_t p : points_) {
+    for (auto e = scene.starts[p]; e < scene.starts[p + 1]; ++e) add_edge(scene.edges[e]);
+    starts_.push_back(static_cast<std::int64_t>(edges_.size()));
   }
+}
+
+void PatchLayout::add_edge(const PatchEdge& from) {
+  KernelEdge edge{};
+  edge.image = from.image;
+  edge.plane = first_plane_[from.image] + from.level;
+  edge.level = static_cast<std::int16_t>(from.level);
+  for (int k = 0; k < arrays_.padded_pixels; ++k) {
+    const bool counts = order_[k] >= 0 && (from.mask >> order_[k] & 1u) != 0u;
+    edge.mask |= static_cast<std::uint32_t>(counts) << k;
+  }
+  std::copy(from.A.begin(), from.A.end(), edge.A);
+  edge.has_warp = from.A != std::array<float, 4>{1.0f, 0.0f, 0.0f, 1.0f};
+  edge.is_alive = true;
+  edges_.push_back(edge);
 }
 
 void PatchLayout::load_slots(const PatchScene& scene) {

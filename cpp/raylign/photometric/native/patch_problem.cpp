@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "raylign/geometry/se3.h"
 #include "raylign/solver/blocked_cholesky.h"
 #include "raylign/solver/lapack.h"
 
@@ -25,13 +24,6 @@ constexpr double kRefused = 1e300;
 
 // The diagonal of a point's H.
 constexpr int kDiagonal[3] = {0, 3, 5};
-
-Matrix4 matrix(const PatchPose& pose) {
-  Matrix4 T = Matrix4::Identity();
-  T.topLeftCorner<3, 3>() = pose.q.toRotationMatrix();
-  T.topRightCorner<3, 1>() = pose.t;
-  return T;
-}
 
 void add_to(const std::vector<double>& from, std::vector<double>& to) {
   for (std::size_t k = 0; k < to.size(); ++k) to[k] += from[k];
@@ -63,9 +55,13 @@ PatchProblem::PatchProblem(const PatchScene& scene,
   }
   load_state(scene);
   held_.assign(N, 0);
-  if (!constraints.points.empty()) {
-    std::copy(constraints.points.begin(), constraints.points.end(), held_.begin());
+  std::vector<std::int64_t> places(N);
+  for (std::size_t k = 0; k < N; ++k) {
+    const std::int64_t p = layout_.points()[k];
+    places[p] = static_cast<std::int64_t>(k);
+    if (!constraints.points.empty()) held_[k] = constraints.points[p] ? 1 : 0;
   }
+  for (PatchPointPrior& prior : constraints_.point_priors) prior.point = places[prior.point];
   point_blocks_.resize(N);
   factors_.resize(N);
   point_scales_.resize(3 * N);
@@ -98,14 +94,12 @@ void PatchProblem::load_state(const PatchScene& scene) {
   state_.poses = scene.poses;
   state_.brightness = scene.brightness;
   state_.intrinsics = scene.intrinsics;
-  state_.points.assign(scene.points.data(), scene.points.data() + scene.points.size());
-  if (inverse_depth_) {
-    for (std::size_t k = 0; k < state_.points.size(); ++k) {
-      if (k % 3 != 0) state_.points[k] = 0.0;
+  for (const std::int64_t p : layout_.points()) {
+    for (int k = 0; k < 3; ++k) {
+      state_.points.push_back(k == 0 || !inverse_depth_ ? scene.points(p, k) : 0.0);
     }
   }
   set_packets(state_);
-  initial_ = state_;
   trial_ = state_;
 }
 
@@ -200,70 +194,13 @@ LmState PatchProblem::linearize() {
     state.cost += part.sums.cost;
     num_seen_ += part.sums.num_seen;
   }
-  state.cost += prior_cost(state_);
-  add_priors();
+  state.cost += prior_cost(constraints_, priors_state(state_));
+  add_priors(constraints_, priors_state(state_),
+             {C(), block_starts_.data(), H_.data(), gradient_.data(), point_blocks_.data()});
   columns_.set_poses(state_.poses);
   state.gradient_max_norm = gradient_max_norm();
   if (!has_scales_) set_scales();
   return state;
-}
-
-double PatchProblem::prior_cost(const State& state) const {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < state.poses.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const auto& held = constraints_.brightness[i];
-    const double a = state.brightness(row, 0);
-    const double b = state.brightness(row, 1);
-    if (!held[0]) twice += constraints_.weight_a * a * a;
-    if (!held[1]) twice += constraints_.weight_b * b * b;
-  }
-  for (const PosePrior& prior : constraints_.pose_priors) {
-    const Vector6 xi = se3_log(matrix(state.poses[prior.image]) * se3_inverse(prior.T_cw));
-    twice += xi.dot(prior.information * xi);
-  }
-  for (const PatchPointPrior& prior : constraints_.point_priors) {
-    const Vector3 d = Eigen::Map<const Vector3>(&state.points[3 * prior.point]) - prior.value;
-    twice += inverse_depth_ ? prior.information(0, 0) * d[0] * d[0] : d.dot(prior.information * d);
-  }
-  return 0.5 * twice;
-}
-
-void PatchProblem::add_priors() {
-  const auto block_size = static_cast<std::int64_t>(C()) * C();
-  for (int i = 0; i < num_images(); ++i) {
-    double* H = H_.data() + block_starts_[i] * block_size;
-    double* g = gradient_.data() + std::int64_t{i} * C();
-    const double weights[2] = {constraints_.weight_a, constraints_.weight_b};
-    for (int k = 0; k < 2; ++k) {
-      if (constraints_.brightness[i][k]) continue;
-      H[(6 + k) * C() + 6 + k] += weights[k];
-      g[6 + k] += weights[k] * state_.brightness(i, k);
-    }
-  }
-  for (const PosePrior& prior : constraints_.pose_priors) {
-    const Vector6 xi = se3_log(matrix(state_.poses[prior.image]) * se3_inverse(prior.T_cw));
-    const Matrix6 J = se3_left_jacobian_inverse(xi);
-    const Matrix6 H = J.transpose() * prior.information * J;
-    const Vector6 gradient = J.transpose() * prior.information * xi;
-    double* block = H_.data() + block_starts_[prior.image] * block_size;
-    for (int r = 0; r < 6; ++r) {
-      for (int k = 0; k < 6; ++k) block[r * C() + k] += H(r, k);
-      gradient_[std::int64_t{prior.image} * C() + r] += gradient[r];
-    }
-  }
-  for (const PatchPointPrior& prior : constraints_.point_priors) {
-    PointBlock& block = point_blocks_[prior.point];
-    const Vector3 d = Eigen::Map<const Vector3>(&state_.points[3 * prior.point]) - prior.value;
-    const int size = inverse_depth_ ? 1 : 3;
-    int n = 0;
-    for (int r = 0; r < 3; ++r) {
-      for (int k = r; k < 3; ++k, ++n) {
-        if (k < size) block.H[n] += prior.information(r, k);
-      }
-      for (int k = 0; k < size && r < size; ++k) block.g[r] += prior.information(r, k) * d[k];
-    }
-  }
 }
 
 double PatchProblem::gradient_max_norm() const {
@@ -418,7 +355,7 @@ LmTrial PatchProblem::try_step() {
     part.sums = evaluate_points(layout_.arrays(), arrays_of(trial_), part_points_[g],
                                 part_points_[g + 1], left_costs());
   });
-  trial.cost = prior_cost(trial_);
+  trial.cost = prior_cost(constraints_, priors_state(trial_));
   trial.model_decrease = image_model_decrease();
   std::int64_t num_seen = 0;
   for (const Part& part : parts_) {
@@ -442,23 +379,16 @@ void PatchProblem::write_back(PatchScene& scene) const {
   for (std::size_t i = 0; i < state_.poses.size(); ++i) scene.poses[i] = state_.poses[i];
   scene.brightness = state_.brightness;
   scene.intrinsics = state_.intrinsics;
-  for (Eigen::Index p = 0; p < scene.points.rows(); ++p) {
-    for (int k = 0; k < schur_.point_size; ++k) scene.points(p, k) = state_.points[3 * p + k];
+  for (std::size_t j = 0; j < layout_.points().size(); ++j) {
+    for (int k = 0; k < schur_.point_size; ++k) {
+      scene.points(layout_.points()[j], k) = state_.points[3 * j + k];
+    }
   }
 }
 
 int PatchProblem::num_effective_parameters() const {
   const auto free = std::count(held_.begin(), held_.end(), 0);
   return columns_.num_columns() + static_cast<int>(free) * schur_.point_size;
-}
-
-std::int64_t PatchProblem::num_residuals() const {
-  std::int64_t count = 0;
-  const PatchArrays& arrays = layout_.arrays();
-  for (std::int64_t e = 0; e < arrays.starts[point_blocks_.size()]; ++e) {
-    if (arrays.edges[e].is_alive) count += __builtin_popcount(arrays.edges[e].mask);
-  }
-  return count;
 }
 
 Eigen::MatrixXd PatchProblem::reduced_system() {

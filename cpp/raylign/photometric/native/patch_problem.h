@@ -12,6 +12,7 @@
 #include "raylign/photometric/native/image_columns.h"
 #include "raylign/photometric/native/patch_kernels.h"
 #include "raylign/photometric/native/patch_layout.h"
+#include "raylign/photometric/native/patch_priors.h"
 #include "raylign/photometric/native/patch_schur.h"
 #include "raylign/solver/lm.h"
 #include "raylign/solver/summary.h"
@@ -41,14 +42,15 @@ class PatchProblem {
 
   int num_effective_parameters() const;
   std::int64_t num_seen() const { return num_seen_; }
-  std::int64_t num_residuals() const;
+  std::int64_t num_residuals() const { return layout_.num_living_pixels(); }
   const ImageColumns& columns() const { return columns_; }
 
   /// At the current state, linearised: S (n, n) without damping, over the free columns.
   Eigen::MatrixXd reduced_system();
   double max_diagonal();  ///< of H, free columns and points, linearised
+  /// In the order of layout().points().
   const SchurArrays& schur() const { return schur_; }
-  const std::vector<unsigned char>& held_points() const { return held_; }
+  const PatchLayout& layout() const { return layout_; }
 
  private:
   struct State {
@@ -82,8 +84,9 @@ class PatchProblem {
   void find_living_edges();
   void run_linearize(bool first);
   void add_parts();
-  double prior_cost(const State& state) const;
-  void add_priors();
+  PriorState priors_state(const State& state) const {
+    return {state.poses, state.brightness, state.points, inverse_depth_};
+  }
   double gradient_max_norm() const;
   void set_diagonal();
   void set_scales();
@@ -103,7 +106,7 @@ class PatchProblem {
   std::vector<unsigned char> held_;
   bool inverse_depth_;
 
-  State state_, trial_, initial_;
+  State state_, trial_;
   std::vector<double> left_costs_;
   std::vector<PointBlock> point_blocks_;
   std::vector<PointFactor> factors_;

@@ -181,9 +181,19 @@ RAYLIGN_INLINE void look_ahead(const PatchArrays& arrays,
     Projection& projection = out.projections[k];
     out.is_in_front[k] =
         project(state.images[edges[k].image], out.point, arrays.min_depth, projection);
-    if (!out.is_in_front[k]) continue;
-    prefetch_patch(arrays.planes[edges[k].plane], edges[k].level, projection.u, projection.v);
   }
+}
+
+// Asks for the pixels of edge k of point p, one edge at a time: a burst would fill the buffers.
+RAYLIGN_INLINE void prefetch_edge(const PatchArrays& arrays,
+                                  std::int64_t p,
+                                  const PointAhead& ahead,
+                                  std::int64_t k) {
+  const std::int64_t e = arrays.starts[p] + k;
+  if (k >= PointAhead::kMaxEdges || e >= arrays.starts[p + 1] || !ahead.is_in_front[k]) return;
+  const KernelEdge& edge = arrays.edges[e];
+  prefetch_patch(arrays.planes[edge.plane], edge.level, ahead.projections[k].u,
+                 ahead.projections[k].v);
 }
 
 // Edge k of the point, by what was found ahead.

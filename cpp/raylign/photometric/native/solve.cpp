@@ -16,15 +16,10 @@ constexpr int kMaxColumns = 12000;
 
 }  // namespace
 
-void check_solvable(const PatchScene& scene, const PatchConstraints& constraints) {
-  scene.validate();
-  const auto M = static_cast<std::size_t>(scene.num_images());
-  const bool fits =
-      constraints.poses.size() == M && constraints.brightness.size() == M &&
-      static_cast<Eigen::Index>(constraints.intrinsics.size()) == scene.intrinsics.rows() &&
-      (constraints.points.empty() ||
-       static_cast<std::int64_t>(constraints.points.size()) == scene.num_points());
-  if (!fits) throw ShapeError("PatchConstraints must have one row per image, intrinsics and point");
+void check_solvable(const PatchScene& scene,
+                    const PatchConstraints& constraints,
+                    const PatchSolveOptions& options) {
+  validate_patch_solve(scene, constraints, options);
   const int columns = ImageColumns(scene, constraints).num_columns();
   require_option(columns <= kMaxColumns, "free parameters of all images",
                  "<= 12000 with backend NATIVE, whose system is dense", columns);
@@ -36,9 +31,7 @@ Summary solve_patches(PatchScene& scene,
                       const IterationCallback& callback,
                       const InterruptCheck& interrupted) {
   const Stopwatch clock;
-  options.lm.validate();
-  options.loss.validate();
-  check_solvable(scene, constraints);
+  check_solvable(scene, constraints, options);
   if (scene.num_edges() == 0) return nothing_to_adjust("native");
   const ScopedSingleThreadedBlas single_threaded_blas;
   PatchProblem problem(scene, constraints, options, interrupted);

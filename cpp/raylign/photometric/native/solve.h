@@ -8,9 +8,10 @@
 
 namespace raylign::native {
 
-/// Throws ShapeError when the constraints' lengths do not fit, OptionsError when the dense system
-/// would be too large, and what scene.validate() throws.
-void check_solvable(const PatchScene& scene, const PatchConstraints& constraints);
+/// validate_patch_solve, and an OptionsError when the images' dense system would be too large.
+void check_solvable(const PatchScene& scene,
+                    const PatchConstraints& constraints,
+                    const PatchSolveOptions& options);
 
 /// Minimises the scene's cost with raylign's own engine: gradient tensors instead of 16-row
 /// Jacobians, points eliminated, the images' system dense. On return `scene` holds the best state
