@@ -17,6 +17,7 @@ namespace {
 
 BundleOptions parity_options() {
   BundleOptions options;
+  options.backend = Backend::CERES;
   options.pose_parametrization = PoseParametrization::ANGLE_AXIS;
   options.linear_solver.type = LinearSolverType::DENSE_SCHUR;
   options.lm.function_tolerance = 1e-12;

@@ -109,7 +109,9 @@ TEST(PatchImage, WrappedBordersReadOnInMemory) {
   EXPECT_DOUBLE_EQ(sample(19.0 + x, 4.0).du,
                    0.5 * ((1.0 - x) * in_memory(I, 20, 4) + x * in_memory(I, 21, 4) -
                           (1.0 - x) * in_memory(I, 18, 4) - x * in_memory(I, 19, 4)));
-  EXPECT_DOUBLE_EQ(sample(0.0, 4.0).du, 0.5 * (in_memory(I, 1, 4) - in_memory(I, -1, 4)));
+  // the exercise reads the cell of the first column, and of the first row, for the one before it
+  EXPECT_DOUBLE_EQ(sample(0.0, 4.0).du, 0.5 * (in_memory(I, 1, 4) - in_memory(I, 0, 4)));
+  EXPECT_DOUBLE_EQ(sample(5.0, 0.0).dv, 0.5 * (in_memory(I, 5, 1) - in_memory(I, 5, 0)));
   // nothing lies before the first pixel or behind the last: those are seen twice
   EXPECT_DOUBLE_EQ(sample(0.0, 0.0).du, 0.5 * (double(I.at(1, 0)) - I.at(0, 0)));
   EXPECT_DOUBLE_EQ(sample(19.0, 16.0).value, I.at(19, 16));
