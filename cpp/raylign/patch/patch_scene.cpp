@@ -29,15 +29,8 @@ Vector3 host_ray(const PatchScene& scene, std::int64_t p) {
           (scene.host_uv(p, 1) - camera.cy()) / camera.fy(), 1.0};
 }
 
-Matrix4 matrix(const PatchPose& pose) {
-  Matrix4 T = Matrix4::Identity();
-  T.topLeftCorner<3, 3>() = pose.q.toRotationMatrix();
-  T.topRightCorner<3, 1>() = pose.t;
-  return T;
-}
-
 Matrix4 host_to_image(const PatchScene& scene, std::int64_t point, const PatchEdge& edge) {
-  return matrix(scene.poses[edge.image]) * se3_inverse(matrix(scene.poses[scene.hosts[point]]));
+  return scene.poses[edge.image].matrix() * se3_inverse(scene.poses[scene.hosts[point]].matrix());
 }
 
 // A positive multiple of the point in the camera's frame: X itself, or with inverse depth
@@ -53,6 +46,13 @@ Vector3 camera_point(const PatchScene& scene, std::int64_t point, const PatchEdg
 }
 
 }  // namespace
+
+Matrix4 PatchPose::matrix() const {
+  Matrix4 T = Matrix4::Identity();
+  T.topLeftCorner<3, 3>() = q.toRotationMatrix();
+  T.topRightCorner<3, 1>() = t;
+  return T;
+}
 
 void PatchScene::validate() const {
   const auto M = images.size();

@@ -28,6 +28,8 @@ struct PatchEdge {
 struct PatchPose {
   Quaternion q = Quaternion::Identity();
   Vector3 t = Vector3::Zero();
+
+  Matrix4 matrix() const;  ///< [R t; 0 1]
 };
 
 /// The problem that both engines minimise: poses, points, brightness and intrinsics such that the

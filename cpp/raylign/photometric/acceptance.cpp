@@ -80,16 +80,10 @@ std::int64_t image_beyond_prior(const Setting& setting,
                                 const PhotometricState& start,
                                 const PhotometricState& refined) {
   const auto& covariances = setting.problem.pose_covariances;
-  const auto matrix = [](const PatchPose& pose) {
-    Matrix4 T = Matrix4::Identity();
-    T.topLeftCorner<3, 3>() = pose.q.toRotationMatrix();
-    T.topRightCorner<3, 1>() = pose.t;
-    return T;
-  };
   for (Eigen::Index i = 0; i < covariances.rows(); ++i) {
     if (std::isnan(covariances(i, 0))) continue;
     const RowMajor<6, 6> C = Eigen::Map<const RowMajor<6, 6>>(covariances.row(i).data());
-    const Vector6 xi = se3_log(matrix(refined.poses[i]) * se3_inverse(matrix(start.poses[i])));
+    const Vector6 xi = se3_log(refined.poses[i].matrix() * se3_inverse(start.poses[i].matrix()));
     if (!(xi.dot(C.inverse() * xi) <= kMaxPriorDistance)) return i;
   }
   return -1;

@@ -102,8 +102,7 @@ void add_pose_priors(const Setting& setting,
     if (std::isnan(covariances(i, 0)) || constraints.poses[i].all()) continue;
     PosePrior prior;
     prior.image = static_cast<std::int32_t>(i);
-    prior.T_cw.topLeftCorner<3, 3>() = start.poses[i].q.toRotationMatrix();
-    prior.T_cw.topRightCorner<3, 1>() = start.poses[i].t;
+    prior.T_cw = start.poses[i].matrix();
     prior.information = unit * inverse_of<6>(covariances, i);
     constraints.pose_priors.push_back(prior);
   }

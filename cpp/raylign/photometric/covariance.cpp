@@ -146,9 +146,7 @@ Eigen::MatrixXd prior_information(const PatchScene& scene,
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns.size, columns.size);
   for (const PosePrior& prior : constraints.pose_priors) {
     const PatchPose& pose = scene.poses[prior.image];
-    Matrix4 T = Matrix4::Identity();
-    T.topLeftCorner<3, 3>() = pose.q.toRotationMatrix();
-    T.topRightCorner<3, 1>() = pose.t;
+    const Matrix4 T = pose.matrix();
     const Eigen::MatrixXd J = se3_left_jacobian_inverse(se3_log(T * se3_inverse(prior.T_cw))) *
                               columns.embeddings[prior.image];
     S.block(columns.poses[prior.image], columns.poses[prior.image], J.cols(), J.cols()) +=

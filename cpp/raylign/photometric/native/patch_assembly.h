@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "raylign/photometric/native/double_lanes.h"
 #include "raylign/photometric/native/patch_projection.h"
 #include "raylign/photometric/native/patch_tensor.h"
 
@@ -78,11 +79,6 @@ RAYLIGN_INLINE void host_motion(const ImagePacket& host,
     motion.P[row][1] = motion.P[row][2] = 0.0;
   }
 }
-
-using D4 = double __attribute__((vector_size(32)));
-
-RAYLIGN_INLINE void load(const double* p, D4& v) { __builtin_memcpy(&v, p, sizeof(v)); }
-RAYLIGN_INLINE void store(const D4& v, double* p) { __builtin_memcpy(p, &v, sizeof(v)); }
 
 // The four rows of an image's F times T: rows 2 and 3 of F hold one number each, at a and b.
 template <int C>

@@ -23,6 +23,23 @@ RAYLIGN_INLINE void for_each_point(const PatchArrays& arrays,
   }
 }
 
+RAYLIGN_INLINE double scale_of(const KernelEdge& edge) {
+  return 1.0 / static_cast<double>(std::int64_t{1} << edge.level);
+}
+
+// Edge k of the point `ahead`: its projection and pixels, or false.
+template <bool kGradient>
+RAYLIGN_INLINE bool see_edge(const PatchArrays& arrays,
+                             const PatchStateArrays& state,
+                             const PointAhead& ahead,
+                             const KernelEdge& edge,
+                             std::int64_t k,
+                             Projection& projection,
+                             PatchPixels& pixels) {
+  return project_edge(arrays, state, ahead, edge, k, projection) &&
+         read_patch<kGradient>(arrays, edge, projection.u, projection.v, scale_of(edge), pixels);
+}
+
 RAYLIGN_INLINE void leave(const PatchArrays& arrays,
                           const double* left_costs,
                           std::int64_t e,
@@ -57,11 +74,9 @@ RAYLIGN_INLINE PatchSums linearize(const PatchArrays& arrays,
           if (p + 1 < end) prefetch_edge(arrays, p + 1, next, e - first);
           if (edge_costs != nullptr) edge_costs[e] = -1.0;
           if (!edge.is_alive) continue;
-          const double scale = 1.0 / static_cast<double>(std::int64_t{1} << edge.level);
           Projection projection;
           PatchPixels pixels;
-          if (!project_edge(arrays, state, ahead, edge, e - first, projection) ||
-              !read_patch<true>(arrays, edge, projection.u, projection.v, scale, pixels)) {
+          if (!see_edge<true>(arrays, state, ahead, edge, e - first, projection, pixels)) {
             leave(arrays, left_costs, e, twice);
             continue;
           }
@@ -69,7 +84,7 @@ RAYLIGN_INLINE PatchSums linearize(const PatchArrays& arrays,
           const Brightness brightness = edge_brightness(arrays, state, p, state.images[edge.image]);
           EdgeTensor tensor;
           double cost = edge_cost<true>(arrays, edge, pixels, c, brightness,
-                                        brightness.gain * scale, logs, tensor);
+                                        brightness.gain * scale_of(edge), logs, tensor);
           if (edge_costs != nullptr) {
             take_log(logs);
             cost += arrays.law_scale * logs.sum;
@@ -123,11 +138,9 @@ PatchSums evaluate_points(const PatchArrays& arrays,
           const KernelEdge& edge = arrays.edges[e];
           if (p + 1 < end) prefetch_edge(arrays, p + 1, next, e - first);
           if (!edge.is_alive) continue;
-          const double scale = 1.0 / static_cast<double>(std::int64_t{1} << edge.level);
           Projection projection;
           PatchPixels pixels;
-          if (!project_edge(arrays, state, ahead, edge, e - first, projection) ||
-              !read_patch<false>(arrays, edge, projection.u, projection.v, scale, pixels)) {
+          if (!see_edge<false>(arrays, state, ahead, edge, e - first, projection, pixels)) {
             leave(arrays, left_costs, e, twice);
             continue;
           }

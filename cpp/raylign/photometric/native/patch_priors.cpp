@@ -8,11 +8,7 @@ namespace raylign::native {
 namespace {
 
 Vector6 distance(const PosePrior& prior, const PriorState& state) {
-  const PatchPose& pose = state.poses[prior.image];
-  Matrix4 T = Matrix4::Identity();
-  T.topLeftCorner<3, 3>() = pose.q.toRotationMatrix();
-  T.topRightCorner<3, 1>() = pose.t;
-  return se3_log(T * se3_inverse(prior.T_cw));
+  return se3_log(state.poses[prior.image].matrix() * se3_inverse(prior.T_cw));
 }
 
 Vector3 distance(const PatchPointPrior& prior, const PriorState& state) {

@@ -43,8 +43,8 @@ PatchProblem::PatchProblem(const PatchScene& scene,
     : options_(options),
       interrupted_(std::move(interrupted)),
       constraints_(constraints),
-      layout_(scene, options, ImageColumns(scene, constraints).with_intrinsics()),
       columns_(scene, constraints),
+      layout_(scene, options, columns_.with_intrinsics()),
       pool_(options.lm.num_threads),
       inverse_depth_(scene.inverse_depth) {
   const auto N = static_cast<std::size_t>(scene.num_points());

@@ -97,8 +97,8 @@ class PatchProblem {
   PatchSolveOptions options_;
   InterruptCheck interrupted_;
   PatchConstraints constraints_;
-  PatchLayout layout_;
   ImageColumns columns_;
+  PatchLayout layout_;
   ThreadPool pool_;
   std::vector<std::int64_t> block_starts_;  // (M + 1,)
   std::vector<std::int64_t> part_points_;   // (parts + 1,) first point of each

@@ -5,15 +5,10 @@
 #include <cmath>
 
 #include "raylign/base/clones.h"
+#include "raylign/photometric/native/double_lanes.h"
 
 namespace raylign::native {
 namespace {
-
-// Written out in vectors: left to itself the compiler transposes.
-using D4 = double __attribute__((vector_size(32)));
-
-RAYLIGN_INLINE void load(const double* p, D4& v) { __builtin_memcpy(&v, p, sizeof(v)); }
-RAYLIGN_INLINE void store(const D4& v, double* p) { __builtin_memcpy(p, &v, sizeof(v)); }
 
 // Rows of Z = L⁻¹ W of one slot.
 template <int C>
