@@ -7,7 +7,7 @@
 
 #include "raylign/photometric/constraints.h"
 #include "raylign/photometric/engine.h"
-#include "raylign/photometric/native/information.h"
+#include "raylign/photometric/native/solve.h"
 
 namespace raylign::photometric {
 namespace {

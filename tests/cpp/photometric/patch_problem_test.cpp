@@ -9,7 +9,6 @@
 #include <functional>
 #include <string>
 
-#include "raylign/photometric/native/information.h"
 #include "raylign/photometric/native/solve.h"
 #include "support/patch_scenes.h"
 
@@ -263,27 +262,6 @@ TEST_P(PatchProblemTest, StepIsThatOfTheDenseSystem) {
     const Eigen::RowVector4d d = after.intrinsics.row(r) - scene.intrinsics.row(r);
     const Eigen::VectorXd of = step.segment<4>(8 * scene.num_images() + 4 * r);
     EXPECT_LT((d.transpose() - of).norm(), 1e-3 * of.norm());
-  }
-}
-
-// The covariances of images and points are the blocks of the inverse of the whole system.
-TEST_P(PatchProblemTest, InformationIsThatOfTheDenseSystem) {
-  const PatchScene scene = start();
-  const PatchConstraints held = constraints(scene);
-  const ReducedInformation information = reduced_information(scene, held, options());
-  const DenseReference reference(scene, GetParam());
-  const FreeBasis basis(scene, held, reference);
-  const Eigen::MatrixXd whole = (basis.B.transpose() * reference.H * basis.B).inverse();
-  const Eigen::MatrixXd images = information.S.inverse();
-  const auto n = images.rows();
-  EXPECT_LT((images - whole.topLeftCorner(n, n)).norm(), 2e-3 * images.norm());
-  const std::int64_t point = 5;
-  const Eigen::Index at = basis.column_of_point(point);
-  const Matrix3 covariance = information.point_covariance(point, images);
-  for (int r = 0; r < basis.size; ++r) {
-    for (int k = 0; k < basis.size; ++k) {
-      EXPECT_NEAR(covariance(r, k), whole(at + r, at + k), 2e-3 * covariance.norm());
-    }
   }
 }
 

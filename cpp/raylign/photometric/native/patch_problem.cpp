@@ -147,6 +147,7 @@ void PatchProblem::make_parts() {
 void PatchProblem::find_living_edges() {
   left_costs_.assign(layout_.edges().size(), 0.0);
   run_linearize(true);
+  is_start_linearized_ = true;
   if (options_.leaving == LeavingRule::ZERO) return;
   for (std::size_t e = 0; e < left_costs_.size(); ++e) {
     layout_.edges()[e].is_alive = left_costs_[e] >= 0.0;
@@ -186,7 +187,8 @@ void PatchProblem::add_parts() {
 }
 
 LmState PatchProblem::linearize() {
-  run_linearize(false);
+  // What found the living edges is the start's own: those that died added nothing to it.
+  if (!std::exchange(is_start_linearized_, false)) run_linearize(false);
   add_parts();
   LmState state{0.0, 0.0};
   num_seen_ = 0;
@@ -266,11 +268,11 @@ void PatchProblem::set_damping(double lambda) {
   }
 }
 
-// S and the right-hand side, over the free columns, in matrix_ and delta_.
-void PatchProblem::form_system(const double* point_damping, bool damped) {
+// S, damped, and the right-hand side, over the free columns, in matrix_ and delta_.
+void PatchProblem::form_system() {
   pool_.run(static_cast<int>(parts_.size()), [&](int g) {
     Part& part = parts_[g];
-    factor_points(point_blocks_.data(), point_damping, held_.data(), schur_.point_size,
+    factor_points(point_blocks_.data(), point_damping_.data(), held_.data(), schur_.point_size,
                   part_points_[g], part_points_[g + 1], factors_.data());
     std::fill(part.S.begin(), part.S.end(), 0.0);
     std::fill(part.rhs.begin(), part.rhs.end(), 0.0);
@@ -290,7 +292,6 @@ void PatchProblem::form_system(const double* point_damping, bool damped) {
       columns_.add_block(i, k, S_.data() + (block_starts_[i] + k - i) * C() * C(), matrix_);
     }
   }
-  if (!damped) return;
   for (Eigen::Index k = 0; k < matrix_.rows(); ++k) matrix_(k, k) += damping_[k];
 }
 
@@ -299,7 +300,7 @@ LmSolve PatchProblem::solve(double lambda, bool /*tight*/) {  // always exact
   result.interrupted = interrupted_ && interrupted_();
   if (result.interrupted) return result;
   set_damping(lambda);
-  form_system(point_damping_.data(), true);
+  form_system();
   const int n = columns_.num_columns();
   if (!factor_cholesky(matrix_.data(), n, pool_)) return result;
   solve_dense(matrix_.data(), n, delta_.data());
@@ -389,13 +390,6 @@ void PatchProblem::write_back(PatchScene& scene) const {
 int PatchProblem::num_effective_parameters() const {
   const auto free = std::count(held_.begin(), held_.end(), 0);
   return columns_.num_columns() + static_cast<int>(free) * schur_.point_size;
-}
-
-Eigen::MatrixXd PatchProblem::reduced_system() {
-  const std::vector<double> none(point_damping_.size(), 0.0);
-  form_system(none.data(), false);
-  Eigen::MatrixXd S = matrix_.selfadjointView<Eigen::Lower>();
-  return S;
 }
 
 }  // namespace raylign::native

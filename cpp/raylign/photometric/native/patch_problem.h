@@ -43,14 +43,7 @@ class PatchProblem {
   int num_effective_parameters() const;
   std::int64_t num_seen() const { return num_seen_; }
   std::int64_t num_residuals() const { return layout_.num_living_pixels(); }
-  const ImageColumns& columns() const { return columns_; }
-
-  /// At the current state, linearised: S (n, n) without damping, over the free columns.
-  Eigen::MatrixXd reduced_system();
   double max_diagonal();  ///< of H, free columns and points, linearised
-  /// In the order of layout().points().
-  const SchurArrays& schur() const { return schur_; }
-  const PatchLayout& layout() const { return layout_; }
 
  private:
   struct State {
@@ -91,7 +84,7 @@ class PatchProblem {
   void set_diagonal();
   void set_scales();
   void set_damping(double lambda);
-  void form_system(const double* point_damping, bool damped);
+  void form_system();
   double image_model_decrease() const;
 
   PatchSolveOptions options_;
@@ -122,6 +115,7 @@ class PatchProblem {
   SchurArrays schur_{};
   std::int64_t num_seen_ = 0;
   bool has_scales_ = false;
+  bool is_start_linearized_ = false;  // parts_ hold it
 };
 
 }  // namespace raylign::native

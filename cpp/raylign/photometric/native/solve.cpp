@@ -58,4 +58,13 @@ Summary solve_patches(PatchScene& scene,
   return summary;
 }
 
+double max_diagonal(const PatchScene& scene,
+                    const PatchConstraints& constraints,
+                    const PatchSolveOptions& options) {
+  check_solvable(scene, constraints, options);
+  PatchProblem problem(scene, constraints, options);
+  problem.linearize();
+  return problem.max_diagonal();
+}
+
 }  // namespace raylign::native

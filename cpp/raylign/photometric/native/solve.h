@@ -24,4 +24,10 @@ Summary solve_patches(PatchScene& scene,
                       const IterationCallback& callback = nullptr,
                       const InterruptCheck& interrupted = nullptr);
 
+/// The largest entry of the diagonal of H, images' free columns and points: what the damping of the
+/// original exercise starts from. Throws as solve_patches.
+double max_diagonal(const PatchScene& scene,
+                    const PatchConstraints& constraints,
+                    const PatchSolveOptions& options);
+
 }  // namespace raylign::native
