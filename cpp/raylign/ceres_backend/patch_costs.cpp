@@ -115,7 +115,7 @@ void write_edge(const PatchEdges& edges,
   for (int k = 0; k < blocks.count; ++k) {
     if (J[k] == nullptr) continue;
     const PatchSlot slot = blocks.slots[k];
-    if (is_seen) {
+    if (is_seen && edges.pulls(blocks.edge)) {
       write_slot(scene, blocks, slot, at, first, count, J[k]);
     } else {
       std::fill_n(J[k], count * patch_slot_size(scene, slot), 0.0);
@@ -154,7 +154,7 @@ bool PatchCost::Evaluate(double const* const* /*x*/, double* residuals, double**
   EvaluatedEdge at;
   edges_.evaluate(blocks_.point, blocks_.edge, J != nullptr, at);
   write_edge(edges_, blocks_, at, 0, num_residuals(), residuals, J);
-  return at.sample.is_seen || edges_.note_left();
+  return at.sample.is_seen || edges_.note_left(blocks_.edge);
 }
 
 PatchPixelCost::PatchPixelCost(const PatchEdges& edges, const PatchBlocks& blocks, int n)

@@ -21,12 +21,17 @@ PatchEdges::PatchEdges(PatchScene& scene, const PatchState& state, const PatchSo
 
 void PatchEdges::evaluate_start() {
   const int n = scene_.pattern.size();
-  if (keeps_) start_residuals_.assign(static_cast<std::size_t>(scene_.num_edges() * n), 0.0);
+  const auto num_edges = static_cast<std::size_t>(scene_.num_edges());
+  if (keeps_) {
+    start_residuals_.assign(num_edges * static_cast<std::size_t>(n), 0.0);
+  } else {
+    was_out_.assign(num_edges, 0);
+  }
   for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
     for (std::int64_t e = scene_.starts[p]; e < scene_.starts[p + 1]; ++e) {
       const EdgeSample sample = evaluate_edge(scene_, p, scene_.edges[e]);
       if (!sample.is_seen) {
-        alive_[e] = keeps_ ? 0 : 1;
+        (keeps_ ? alive_[e] : was_out_[e]) = keeps_ ? 0 : 1;
         continue;
       }
       const double* r = sample.residual.data();
@@ -56,7 +61,7 @@ void PatchEdges::PrepareForEvaluation(bool evaluate_jacobians, bool /*new_evalua
     for (std::int64_t e = scene_.starts[p]; e < scene_.starts[p + 1]; ++e) {
       if (!is_alive(e)) continue;
       evaluate(p, e, evaluate_jacobians, table_[e]);
-      if (!table_[e].sample.is_seen) note_left();
+      if (!table_[e].sample.is_seen) note_left(e);
     }
   }
 }
@@ -70,7 +75,8 @@ void PatchEdges::evaluate(std::int64_t point,
   evaluated.motion = edge_motion(scene_, point, scene_.edges[edge], evaluated.sample);
 }
 
-bool PatchEdges::note_left() const {
+bool PatchEdges::note_left(std::int64_t edge) const {
+  if (!keeps_) was_out_[edge] = 1;
   const std::int64_t count = ++num_left_;
   return !refuses_ || count <= max_left_;
 }

@@ -49,7 +49,10 @@ class PatchEdges final : public ceres::EvaluationCallback {
     return keeps_ ? start_residuals_[edge * scene_.pattern.size() + n] : 0.0;
   }
   /// Counts an edge out of view; false when they are too many for a step.
-  bool note_left() const;
+  bool note_left(std::int64_t edge) const;
+  /// An edge in view pulls at the state; of ZERO, only until it was out of view once, be it in a
+  /// step that was refused.
+  bool pulls(std::int64_t edge) const { return keeps_ || was_out_[edge] == 0; }
   /// Of PIXEL: whether all edges together leave a step acceptable.
   bool is_acceptable() const { return !refuses_ || num_left_ <= max_left_; }
 
@@ -60,9 +63,10 @@ class PatchEdges final : public ceres::EvaluationCallback {
   const PatchState& state_;
   const PatchSolveOptions options_;
   const bool keeps_;
-  std::vector<unsigned char> alive_;     // (E,)
-  std::vector<double> start_residuals_;  // (E, n) of KEEP_COST
-  std::vector<EvaluatedEdge> table_;     // (E,) of PIXEL
+  std::vector<unsigned char> alive_;            // (E,)
+  std::vector<double> start_residuals_;         // (E, n) of KEEP_COST
+  std::vector<EvaluatedEdge> table_;            // (E,) of PIXEL
+  mutable std::vector<unsigned char> was_out_;  // (E,) of ZERO
   std::string invalid_start_;
   std::int64_t num_alive_ = 0;
   // Edges out of view, counted during an evaluation; the limit comes from the last one with

@@ -208,6 +208,28 @@ TEST_P(Leaving, KeepsTheCostOfTheStartOrCostsNothing) {
   }
 }
 
+TEST_P(Leaving, OnceOutPullsNoMoreWhereItCostsNothing) {
+  for (const LeavingRule rule : {LeavingRule::KEEP_COST, LeavingRule::ZERO}) {
+    PatchScene scene = patch_case().start;
+    const PatchConstraints held = patch_constraints(scene);
+    PatchSolveOptions options = solve_options(LossType::HUBER, 2.0, GetParam());
+    options.leaving = rule;
+    PatchProblem problem(scene, held, options);
+    double& x = problem.point_blocks()[3][0];
+    const double inside = x;
+    double before = 0.0;
+    double cost = 0.0;
+    std::vector<double> gradient_before, gradient;
+    problem.ceres_problem().Evaluate({}, &before, nullptr, &gradient_before, nullptr);
+    x += 100.0;
+    problem.ceres_problem().Evaluate({}, &cost, nullptr, nullptr, nullptr);
+    x = inside;
+    problem.ceres_problem().Evaluate({}, &cost, nullptr, &gradient, nullptr);
+    EXPECT_EQ(cost, before);
+    EXPECT_EQ(gradient == gradient_before, rule == LeavingRule::KEEP_COST);
+  }
+}
+
 TEST_P(Leaving, TooManyAtOnceAreRefusedWhereCostsAreKept) {
   for (const LeavingRule rule : {LeavingRule::KEEP_COST, LeavingRule::ZERO}) {
     PatchScene scene = patch_case().start;
