@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "raylign/geometry/se3.h"
-#include "raylign/photometric/judge.h"
+#include "raylign/photometric/matches.h"
 
 namespace raylign::photometric {
 namespace {
@@ -16,24 +16,6 @@ namespace {
 constexpr std::int64_t kMinHeldOut = 8;  // points that decide
 constexpr int kHoldOutRounds = 2;
 constexpr double kMaxPriorDistance = 40.0;  // χ² with 6 degrees of freedom: one in two million
-
-// An edge is matched when the residuals keep less than this share of the patch's contrast. A wrong
-// minimum leaves less than a third of the edges of some image matched, a right one three quarters
-// in all, and a start that is out of reach 3 % (rendered rooms). Images that nobody has corrected
-// show 6 to 50 % at a good start, 35 to 65 % at the end.
-constexpr double kUnexplained = 0.25;
-constexpr double kEnoughMatched = 0.5;
-constexpr double kGoodStart = 0.05;
-constexpr double kKept = 0.85;  // of the matched edges of such a start
-constexpr std::int64_t kEdgesThatTell = 8;
-
-// In the way of neither another point nor the border: what a change of state can be held to.
-bool is_comparable(const Views& views, std::int64_t p, std::int64_t e) {
-  const PointStatus point = views.points[p];
-  const EdgeStatus edge = views.edges[e];
-  return point != PointStatus::OUT_OF_VIEW && point != PointStatus::LOW_TEXTURE &&
-         (edge == EdgeStatus::OK || edge == EdgeStatus::MISMATCH || edge == EdgeStatus::NOT_USED);
-}
 
 // Mean of ½ρ(r²) over the pixels in `mask`; negative when the edge is not seen.
 double edge_cost(
@@ -96,32 +78,15 @@ bool is_finite(const PhotometricState& state) {
   return state.points.allFinite() && state.brightness.allFinite() && state.intrinsics.allFinite();
 }
 
-bool is_matched(const Views& views, std::int64_t p, std::int64_t e) {
-  const PatchEdge& edge = views.scene.edges[e];
-  return is_comparable(views, p, e) && match_of(views.scene, p, edge).unexplained < kUnexplained;
-}
-
 // Image that has moved to where it does not show the patches; −1: none.
 std::int64_t lost_image(const std::vector<ImageMatch>& matches,
                         const PhotometricState& start,
                         const PhotometricState& refined) {
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    const ImageMatch& match = matches[i];
-    if (match.num_edges < kEdgesThatTell || same_pose(start.poses[i], refined.poses[i])) continue;
-    const bool was_good =
-        match.share_before() >= kGoodStart && match.share_after() >= kKept * match.share_before();
-    if (match.share_after() < kEnoughMatched && !was_good) return static_cast<std::int64_t>(i);
+    if (same_pose(start.poses[i], refined.poses[i]) || matches[i].is_right()) continue;
+    return static_cast<std::int64_t>(i);
   }
   return -1;
-}
-
-std::string text_of_lost(std::int64_t image, const ImageMatch& match) {
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "image %lld shows %.0f %% of its %lld patches after (%.0f %% before)",
-                static_cast<long long>(image), 100.0 * match.share_after(),
-                static_cast<long long>(match.num_edges), 100.0 * match.share_before());
-  return text;
 }
 
 std::string text_of(const CostComparison& costs, const char* whose) {
@@ -168,24 +133,6 @@ CostComparison compare_costs(const Setting& setting,
   return costs;
 }
 
-std::vector<ImageMatch> compare_matches(const Setting& setting,
-                                        const Views& before,
-                                        const Views& after) {
-  std::vector<ImageMatch> matches(static_cast<std::size_t>(setting.problem.num_images()));
-  for (std::int64_t p = 0; p < setting.num_points(); ++p) {
-    for (std::int64_t e = before.scene.starts[p]; e < before.scene.starts[p + 1]; ++e) {
-      const std::int32_t image = before.scene.edges[e].image;
-      if (setting.is_host(p, image)) continue;
-      if (!is_comparable(before, p, e) && !is_comparable(after, p, e)) continue;
-      ImageMatch& match = matches[image];
-      ++match.num_edges;
-      if (is_matched(before, p, e)) ++match.num_before;
-      if (is_matched(after, p, e)) ++match.num_after;
-    }
-  }
-  return matches;
-}
-
 Verdict judge_refinement(const Setting& setting,
                          const PatchConstraints& base,
                          const RoundLaw& law,
@@ -220,7 +167,7 @@ Verdict judge_refinement(const Setting& setting,
   if (far >= 0) {
     verdict.reason = "image " + std::to_string(far) + " moved farther than its prior allows";
   } else if (lost >= 0) {
-    verdict.reason = text_of_lost(lost, matches[lost]);
+    verdict.reason = "image " + std::to_string(lost) + " " + matches[lost].text();
   } else if (verdict.costs.num_lost > verdict.costs.num_edges) {
     verdict.reason = "most edges in view at the start are out of view after: " + verdict.reason;
   } else {

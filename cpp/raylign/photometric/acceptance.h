@@ -25,21 +25,6 @@ CostComparison compare_costs(const Setting& setting,
                              const std::vector<bool>& points,
                              const Loss& loss);
 
-/// How many edges of an image show their patch, of those in view before or after.
-struct ImageMatch {
-  std::int64_t num_edges = 0;
-  std::int64_t num_before = 0;
-  std::int64_t num_after = 0;
-
-  double share_before() const { return static_cast<double>(num_before) / num_edges; }
-  double share_after() const { return static_cast<double>(num_after) / num_edges; }
-};
-
-/// Of every image.
-std::vector<ImageMatch> compare_matches(const Setting& setting,
-                                        const Views& before,
-                                        const Views& after);
-
 struct Verdict {
   bool accepted = false;
   std::string reason;
