@@ -212,6 +212,8 @@ void bind_statistics(py::class_<Result>& cls) {
   cls.def_readonly("sigma", &Result::sigma, "Of the law of one pixel's residual, grey levels.");
   cls.def_readonly("nu", &Result::nu, "Degrees of freedom of Student's t; −1: another law.");
   cls.def_readonly("threshold", &Result::threshold, "Scale of the loss, grey levels.");
+  cls.def_readonly("noise_ratio", &Result::noise_ratio,
+                   "Noise of an image's value over that of a patch's; 0: not balanced.");
   cls.def_readonly("gauge", &Result::gauge, "What anchors the result, in words.");
   cls.def_readonly("summary", &Result::summary, "Summary: iterations of all rounds in a row.");
 }

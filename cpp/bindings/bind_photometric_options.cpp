@@ -130,6 +130,9 @@ void bind_brightness_and_noise(py::module_& m) {
       .field("model", &B::model, "BrightnessModel.")
       .field("prior_sigma_a", &B::prior_sigma_a, "Standard deviation of a around 0, > 0.")
       .field("prior_sigma_b", &B::prior_sigma_b, "Of b around 0, grey levels, > 0.")
+      .field("balanced", &B::balanced,
+             "Residuals are scaled to one variance at every gain: noise of both images is taken "
+             "into account (total least squares). Else it pulls a towards 0.")
       .finish();
   using N = NoiseOptions;
   OptionsBinder<N>(m, "NoiseOptions", "The law of the residuals.", [](const N& o) { o.validate(); })

@@ -1930,12 +1930,14 @@ class BrightnessOptions:
     model: BrightnessModel
     prior_sigma_a: float
     prior_sigma_b: float
+    balanced: bool
     def __init__(
         self,
         *,
         model: BrightnessModel | str = ...,
         prior_sigma_a: float = ...,
         prior_sigma_b: float = ...,
+        balanced: bool = ...,
     ) -> None: ...
     def replace(
         self,
@@ -1943,6 +1945,7 @@ class BrightnessOptions:
         model: BrightnessModel | str = ...,
         prior_sigma_a: float = ...,
         prior_sigma_b: float = ...,
+        balanced: bool = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -2210,6 +2213,8 @@ class PhotometricResult:
     def nu(self) -> float: ...
     @property
     def threshold(self) -> float: ...
+    @property
+    def noise_ratio(self) -> float: ...
     @property
     def gauge(self) -> str: ...
     @property

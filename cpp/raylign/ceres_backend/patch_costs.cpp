@@ -31,13 +31,11 @@ void write_brightness(const PatchEdge& edge,
                       int first,
                       int count,
                       double* J) {
-  const EdgeBrightness& b = sample.brightness;
-  const double sign = of_host ? 1.0 : -1.0;
-  const double offset = of_host ? b.offset : 0.0;
   for (int n = first; n < first + count; ++n, J += 2) {
-    const double counts = sample.counts(edge, n) ? sign : 0.0;
-    J[0] = counts * (sample.value[n] + offset);
-    J[1] = counts * b.host_gain;
+    const double counts = sample.counts(edge, n) ? 1.0 : 0.0;
+    const auto [by_a, by_b] = of_host ? sample.by_host_brightness(n) : sample.by_brightness(n);
+    J[0] = counts * by_a;
+    J[1] = counts * by_b;
   }
 }
 

@@ -68,6 +68,8 @@ void PatchScene::validate() const {
                     static_cast<std::int64_t>(patches.size()) == N * pattern.size(),
                 "points, hosts, host_uv and patches must have one row per point");
   pattern.validate();
+  require_option(std::isfinite(noise_ratio) && noise_ratio >= 0.0, "PatchScene.noise_ratio",
+                 "finite and >= 0", noise_ratio);
   for (const auto& image : images) require_shape(image != nullptr, "an image is missing");
   for (std::int64_t p = 0; p < N; ++p) {
     require_shape(starts[p] <= starts[p + 1], "starts must not fall");
@@ -98,7 +100,21 @@ EdgeBrightness edge_brightness(const PatchScene& scene, std::int64_t point, cons
   brightness.gain = std::exp(scene.brightness(edge.image, 0) - a_h);
   brightness.host_gain = std::exp(-a_h);
   brightness.offset = brightness.host_gain * (scene.brightness(edge.image, 1) - b_h);
+  const double of_image = scene.noise_ratio * brightness.gain * brightness.gain;
+  brightness.scale = std::sqrt((1.0 + scene.noise_ratio) / (1.0 + of_image));
+  brightness.fall = of_image / (1.0 + of_image);
   return brightness;
+}
+
+std::array<double, 2> EdgeSample::by_brightness(int n) const {
+  const auto i = static_cast<std::size_t>(n);
+  return {-(brightness.scale * value[i] + brightness.fall * residual[i]),
+          -brightness.scale * brightness.host_gain};
+}
+
+std::array<double, 2> EdgeSample::by_host_brightness(int n) const {
+  const auto [a, b] = by_brightness(n);
+  return {brightness.scale * brightness.offset - a, -b};
 }
 
 EdgeSample evaluate_edge(const PatchScene& scene, std::int64_t point, const PatchEdge& edge) {
@@ -112,7 +128,7 @@ EdgeSample evaluate_edge(const PatchScene& scene, std::int64_t point, const Patc
   sample.brightness = edge_brightness(scene, point, edge);
   const PatchPlane& plane = scene.images[edge.image]->plane(edge.level);
   const double scale = std::ldexp(1.0, -edge.level);
-  const double slope = sample.brightness.gain * scale;
+  const double slope = sample.brightness.scale * sample.brightness.gain * scale;
   Vector2 centre = (sample.uv.array() + 0.5) * scale - 0.5;  // px of the level
   if (scene.interpolation == SampleInterpolation::CENTRAL_DIFFERENCE) {
     centre = centre.cast<float>().cast<double>();  // as the original exercise
@@ -128,7 +144,8 @@ EdgeSample evaluate_edge(const PatchScene& scene, std::int64_t point, const Patc
     out.value[n] = sample.brightness.gain * I.value;
     out.gradient[n] = {slope * I.du, slope * I.dv};
     if (!out.counts(edge, n)) continue;
-    out.residual[n] = photometric_residual<double>(c[n], I.value, sample.brightness.gain,
+    out.residual[n] = sample.brightness.scale *
+                      photometric_residual<double>(c[n], I.value, sample.brightness.gain,
                                                    sample.brightness.offset);
   }
   out.is_seen = true;

@@ -35,17 +35,20 @@ struct PatchPose {
 /// The problem that both engines minimise: poses, points, brightness and intrinsics such that the
 /// images show, around the projections of each point, the point's patch:
 ///
-///   r_n = c_n − (e^{a_j − a_h} I_j(u + A o_n) + e^{−a_h} (b_j − b_h)),   u = π(K, T_j X)
+///   r_n = s (c_n − (e^{a_j − a_h} I_j(u + A o_n) + e^{−a_h} (b_j − b_h))),   u = π(K, T_j X)
 ///
 /// c_n: grey values of the patch, in the brightness of its host h; a_h = b_h = 0 for a patch
-/// without host. u is in px of level 0; level l is read at (u + ½) / 2^l − ½ + A o_n. The residual
-/// is photometric_residual of residuals/photometric.h; docs/theory/photometric.md has the
-/// derivatives.
+/// without host. s = √((1 + κ) / (1 + κ e^{2 (a_j − a_h)})), κ = noise_ratio: noise of the image is
+/// multiplied by the gain, and s gives all residuals the variance that they have at gain one. u is
+/// in px of level 0; level l is read at (u + ½) / 2^l − ½ + A o_n. c − (…) is photometric_residual
+/// of residuals/photometric.h; docs/theory/photometric.md has the derivatives.
 struct PatchScene {
   // What is given.
   PatchPattern pattern;
   SampleInterpolation interpolation = SampleInterpolation::CUBIC_BSPLINE;
   double min_depth = 1e-9;  ///< points nearer than this are not seen; −infinity: seen from behind
+  /// κ >= 0: variance of the noise of I_j over that of c_n. 0: s = 1, plain differences.
+  double noise_ratio = 0.0;
   std::vector<std::shared_ptr<const PatchImage>> images;  ///< (M,)
   std::vector<std::int64_t> starts;                       ///< (N + 1,) first edge of each point
   std::vector<PatchEdge> edges;                           ///< in the order of the points
@@ -82,6 +85,8 @@ struct EdgeBrightness {
   double gain = 1.0;       ///< e^{a_j − a_h}
   double offset = 0.0;     ///< e^{−a_h} (b_j − b_h)
   double host_gain = 1.0;  ///< e^{−a_h}
+  double scale = 1.0;      ///< s
+  double fall = 0.0;       ///< −∂ log s / ∂(a_j − a_h) = κ gain² / (1 + κ gain²)
 };
 EdgeBrightness edge_brightness(const PatchScene& scene, std::int64_t point, const PatchEdge& edge);
 
@@ -94,10 +99,13 @@ struct EdgeSample {
   EdgeBrightness brightness;
   std::array<double, PatchPattern::kMaxPixels> residual{};  ///< grey levels; 0 where masked
   std::array<double, PatchPattern::kMaxPixels> value{};     ///< gain · I_j
-  /// gain · ∇I_j with respect to px of level 0.
+  /// −∂r/∂(u, v), s gain ∇I_j with respect to px of level 0.
   std::array<std::array<double, 2>, PatchPattern::kMaxPixels> gradient{};
 
   bool counts(const PatchEdge& edge, int n) const { return (edge.mask >> n & 1u) != 0u; }
+  /// ∂r_n/∂(a_j, b_j) and ∂r_n/∂(a_h, b_h), of a pixel that counts.
+  std::array<double, 2> by_brightness(int n) const;
+  std::array<double, 2> by_host_brightness(int n) const;
 };
 EdgeSample evaluate_edge(const PatchScene& scene, std::int64_t point, const PatchEdge& edge);
 

@@ -159,6 +159,7 @@ class Adjustment {
     result_.summary = progress_.summary();
     result_.sigma = refinement.law().noise.sigma;
     result_.threshold = refinement.law().loss.scale;
+    result_.noise_ratio = after.scene.noise_ratio;
     if (refinement.law().loss.type == LossType::STUDENT_T) {
       result_.nu = refinement.law().loss.degrees_of_freedom;
     }

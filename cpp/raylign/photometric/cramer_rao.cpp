@@ -58,7 +58,8 @@ CramerRaoBound cramer_rao(const PatchScene& truth,
                           const PatchConstraints& constraints,
                           const CramerRaoOptions& options) {
   options.validate();
-  const PatchScene scene = options.has_noisy_patches ? on_host_rays(truth) : truth;
+  PatchScene scene = options.has_noisy_patches ? on_host_rays(truth) : truth;
+  scene.noise_ratio = 0.0;  // whose noise a residual has is said by NoiseSite here
   const PatchColumns columns = patch_columns(scene, constraints);
   const double variance = options.sigma * options.sigma + (options.is_rounded ? 1.0 / 12.0 : 0.0);
   PatchConstraints without_priors = constraints;

@@ -46,6 +46,9 @@ struct BrightnessOptions {
   BrightnessModel model = BrightnessModel::AFFINE;
   double prior_sigma_a = 1.0;   ///< of a around 0, > 0
   double prior_sigma_b = 50.0;  ///< of b around 0, grey levels, > 0
+  /// Residuals are scaled to one variance at every gain: noise of both images is taken into
+  /// account (total least squares). Else that of the image which is multiplied pulls a towards 0.
+  bool balanced = true;
 
   void validate() const;
 };

@@ -135,7 +135,8 @@ bool PointSystemBuilder::fill(std::int64_t point,
   rows.point.setZero(n, num_free);
   rows.point_moves = motion.point;
   rows.steepness = 0.0;
-  const double step = std::ldexp(rows.s * sample.brightness.gain, -edge.level);
+  const EdgeBrightness& brightness = sample.brightness;
+  const double step = std::ldexp(rows.s * brightness.scale * brightness.gain, -edge.level);
   rows.residual.setZero(n);
   const auto weights = pixel_weights(edge, sample, n, loss_, scope_);
   for (int i = 0; i < n; ++i) {
@@ -182,25 +183,21 @@ void PointSystemBuilder::fill_motion(std::int32_t j,
   rows.num_columns = k;
 }
 
-// r = c − (gain I + offset), gain = e^{a_j − a_h}, offset = e^{−a_h} (b_j − b_h).
 void PointSystemBuilder::fill_brightness(std::int32_t j,
                                          std::int32_t h,
                                          const EdgeSample& sample,
                                          EdgeRows& rows) const {
-  const auto add = [&](int column, double by_value, double constant) {
-    if (column < 0) return;
-    for (Eigen::Index i = 0; i < rows.camera.rows(); ++i) {
-      rows.camera(i, rows.num_columns) =
-          by_value * sample.value[static_cast<std::size_t>(i)] + constant;
+  const auto add = [&](std::int32_t image, auto derivative) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (columns_.brightness[image][k] < 0) continue;
+      for (Eigen::Index i = 0; i < rows.camera.rows(); ++i) {
+        rows.camera(i, rows.num_columns) = (sample.*derivative)(static_cast<int>(i))[k];
+      }
+      rows.columns[rows.num_columns++] = columns_.brightness[image][k];
     }
-    rows.columns[rows.num_columns++] = column;
   };
-  const EdgeBrightness& brightness = sample.brightness;
-  add(columns_.brightness[j][0], -1.0, 0.0);
-  add(columns_.brightness[j][1], 0.0, -brightness.host_gain);
-  if (h < 0) return;
-  add(columns_.brightness[h][0], 1.0, brightness.offset);
-  add(columns_.brightness[h][1], 0.0, brightness.host_gain);
+  add(j, &EdgeSample::by_brightness);
+  if (h >= 0) add(h, &EdgeSample::by_host_brightness);
 }
 
 void PointSystemBuilder::add(const EdgeRows& rows) {

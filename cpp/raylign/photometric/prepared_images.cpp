@@ -8,19 +8,6 @@
 namespace raylign::photometric {
 namespace {
 
-constexpr double kKernelSigmas = 4.0;
-
-std::vector<double> gaussian(double sigma) {
-  const int radius = static_cast<int>(std::ceil(kKernelSigmas * sigma));
-  std::vector<double> kernel(2 * radius + 1);
-  double sum = 0.0;
-  for (int i = -radius; i <= radius; ++i) {
-    sum += kernel[i + radius] = std::exp(-0.5 * i * i / (sigma * sigma));
-  }
-  for (double& weight : kernel) weight /= sum;
-  return kernel;
-}
-
 // Along the rows, written as columns: twice is a blur in both directions.
 Plane<float> smoothed_and_transposed(const Plane<float>& image, const std::vector<double>& kernel) {
   const int radius = static_cast<int>(kernel.size() / 2);
@@ -95,7 +82,7 @@ bool PixelMask::counts(int level, double u, double v) const {
 
 PreparedImages prepare_images(const PhotometricProblem& problem,
                               const PhotometricOptions& options) {
-  PreparedImages prepared;
+  PreparedImages prepared{{}, {}, SampledNoise(options.interpolation, options.presmooth)};
   for (std::int64_t i = 0; i < problem.num_images(); ++i) {
     const ImagePyramid& given = *problem.images[i];
     const Plane<std::uint8_t>* mask = problem.masks.empty() ? nullptr : problem.masks[i].get();
@@ -111,7 +98,7 @@ PreparedImages prepare_images(const PhotometricProblem& problem,
 }
 
 Plane<float> smoothed(const Plane<float>& image, double sigma) {
-  const std::vector<double> kernel = gaussian(sigma);
+  const std::vector<double> kernel = gaussian_kernel(sigma);
   return smoothed_and_transposed(smoothed_and_transposed(image, kernel), kernel);
 }
 

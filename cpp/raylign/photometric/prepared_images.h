@@ -11,6 +11,7 @@
 #include "raylign/patch/patch_image.h"
 #include "raylign/photometric/options.h"
 #include "raylign/photometric/problem.h"
+#include "raylign/photometric/sampled_noise.h"
 
 namespace raylign::photometric {
 
@@ -37,6 +38,7 @@ class PixelMask {
 struct PreparedImages {
   std::vector<std::shared_ptr<const PatchImage>> images;  ///< (M,)
   std::vector<PixelMask> masks;                           ///< (M,)
+  SampledNoise noise;                                     ///< of what is read from them
   int num_levels = 1;                                     ///< that all images have
 };
 

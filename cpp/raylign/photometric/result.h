@@ -84,7 +84,8 @@ struct PhotometricResult {
   Rows<double, 3> normals;              ///< (N, 3) used, host frame; NaN: none
   double sigma = -1.0;                  ///< of the law of one pixel's residual, grey levels
   double nu = -1.0;                     ///< degrees of freedom of Student's t; −1: another law
-  double threshold = -1.0;  ///< scale of the loss: σ, of HUBER and CAUCHY their threshold
+  double threshold = -1.0;   ///< scale of the loss: σ, of HUBER and CAUCHY their threshold
+  double noise_ratio = 0.0;  ///< κ of the residuals, PatchScene::noise_ratio
 
   std::string gauge;  ///< what anchors the result, in words
   std::vector<PhotometricRound> rounds;

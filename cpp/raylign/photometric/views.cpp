@@ -49,6 +49,23 @@ PatchScene bare_scene(const Setting& setting, const PhotometricState& state) {
   return scene;
 }
 
+// Noise of the images over that of the patches, which is more where they are read from whole
+// pixels.
+double noise_ratio(const Setting& setting, const std::vector<int>& levels) {
+  if (!setting.options.brightness.balanced) return 0.0;
+  double of_patches = 0.0;
+  for (std::int64_t p = 0; p < setting.num_points(); ++p) {
+    if (setting.hosts.image[p] < 0 || !setting.hosts.uv.row(p).allFinite()) {
+      of_patches += 1.0;  // a stored patch: taken for pixels
+      continue;
+    }
+    const double scale = std::ldexp(1.0, -levels[p]);
+    const Vector2 uv = (setting.hosts.uv.row(p).array() + 0.5) * scale - 0.5;
+    of_patches += setting.prepared.noise.value(uv.x(), uv.y());
+  }
+  return setting.prepared.noise.mean_value() * double(setting.num_points()) / of_patches;
+}
+
 // The normal that a patch is warped with; false: it is only shifted.
 bool warp_normal(const Setting& setting, const Views& views, std::int64_t p, Vector3& normal) {
   const PatchWarp warp = setting.options.warp;
@@ -202,6 +219,7 @@ Views find_views(const Setting& setting, const PhotometricState& state, int leve
   std::vector<int> levels(setting.num_points(), level);
   for_each_point(setting.pool, setting.num_points(),
                  [&](std::int64_t p) { levels[p] = place_point(setting, state, p, level, views); });
+  views.scene.noise_ratio = noise_ratio(setting, levels);
   const PatchSources sources = read_patches(setting, level, levels, views.scene.patches);
   look_at_edges(setting, sources, views);
   if (all_candidates(setting)) {

@@ -63,7 +63,7 @@ def preset(name: str) -> Preset:
         warp=PatchWarp.NONE,
         interpolation=SampleInterpolation.CENTRAL_DIFFERENCE,
         num_levels=1,
-        brightness=BrightnessOptions(model=BrightnessModel.NONE),
+        brightness=BrightnessOptions(model=BrightnessModel.NONE, balanced=False),
         noise=NoiseOptions(loss=LossType.HUBER, scope=LossScope.PATCH, scale=1.0),
         visibility=VisibilityOptions(
             rule=VisibilityRule.ALL,

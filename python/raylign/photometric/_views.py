@@ -20,7 +20,6 @@ def view_values(result: Any, edges: AnyArray, *, start: bool = False) -> F64:
     core, problem, options = result._core, result.problem, result.options
     T_cw = problem.T_cw if start else core.T_cw
     points = problem.points if start else core.points
-    brightness = core.brightness
     image, point = core.edge_image[edges], core.edge_point[edges]
     host = core.hosts[point]
     offsets = options.pattern.offsets
@@ -32,23 +31,30 @@ def view_values(result: Any, edges: AnyArray, *, start: bool = False) -> F64:
         at = uv[:, None] + np.einsum("eij,nj->eni", A, offsets)
         at[z <= _LEAST_DEPTH] = np.nan
         values[mine] = BSplineImage(problem.image(j)).sample(at)[0]
-    own = np.where((host >= 0)[:, None], brightness[host], 0.0)
-    gain = np.exp(brightness[image, 0] - own[:, 0])
-    offset = np.exp(-own[:, 0]) * (brightness[image, 1] - own[:, 1])
+    gain, offset = _edge_brightness(core, edges)
     return np.asarray(gain[:, None] * values + offset[:, None])
+
+
+def _edge_brightness(core: Any, edges: AnyArray) -> tuple[F64, F64]:
+    """Gain and offset (len(edges),) from an image to the brightness of the patch."""
+    image, host = core.edge_image[edges], core.hosts[core.edge_point[edges]]
+    own = np.where((host >= 0)[:, None], core.brightness[host], 0.0)
+    gain = np.exp(core.brightness[image, 0] - own[:, 0])
+    return gain, np.exp(-own[:, 0]) * (core.brightness[image, 1] - own[:, 1])
+
+
+def residual_scales(result: Any, edges: AnyArray) -> F64:
+    """(len(edges),) what differences are multiplied with for one variance at every gain."""
+    ratio = float(result._core.noise_ratio)
+    gain, _ = _edge_brightness(result._core, edges)
+    return np.asarray(np.sqrt((1.0 + ratio) / (1.0 + ratio * gain**2)))
 
 
 def counted(result: Any, edges: AnyArray) -> AnyArray:
     """(len(edges), n) bool: pixels between the limits of saturation at the result."""
-    options, core = result.options, result._core
-    visibility = options.visibility
-    brightness = core.brightness
-    image, point = core.edge_image[edges], core.edge_point[edges]
-    host = core.hosts[point]
-    own = np.where((host >= 0)[:, None], brightness[host], 0.0)
+    visibility = result.options.visibility
     shown = view_values(result, edges)
-    gain = np.exp(brightness[image, 0] - own[:, 0])
-    offset = np.exp(-own[:, 0]) * (brightness[image, 1] - own[:, 1])
+    gain, offset = _edge_brightness(result._core, edges)
     raw = (shown - offset[:, None]) / gain[:, None]
     return np.asarray((raw >= visibility.min_grey) & (raw <= visibility.max_grey))
 

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from raylign._typing import F64, AnyArray, PathLike
 from raylign.errors import ShapeError
 from raylign.photometric import EdgeStatus, LossScope, PhotometricResult
-from raylign.photometric._views import counted, view_values
+from raylign.photometric._views import counted, residual_scales, view_values
 from raylign.viz import style
 
 Canvas = Figure | SubFigure
@@ -181,6 +181,7 @@ def pixel_residuals(result: PhotometricResult) -> F64:
     if len(edges) > _MAX_EDGES:
         edges = edges[np.linspace(0, len(edges) - 1, _MAX_EDGES).astype(int)]
     r = result.patches[result.edge_point[edges]] - view_values(result, edges)
+    r *= residual_scales(result, edges)[:, None]
     r = r[counted(result, edges) & np.isfinite(r)]
     if len(r) == 0:
         raise ShapeError("no view is in use: there are no residuals")

@@ -17,6 +17,7 @@ struct Case {
   const char* name;
   LossScope scope;
   bool hosted, inverse_depth, intrinsics_per_image;
+  double noise_ratio = 0.0;
 };
 
 class PatchJacobian : public testing::TestWithParam<Case> {};
@@ -53,6 +54,7 @@ TEST_P(PatchJacobian, MatchesDifferences) {
   scene_options.hosted = c.hosted;
   scene_options.inverse_depth = c.inverse_depth;
   scene_options.intrinsics_per_image = c.intrinsics_per_image;
+  scene_options.noise_ratio = c.noise_ratio;
   PatchScene scene = patch_case(scene_options).start;
   scene.edges[2].mask = 0x0ff7u;
   PatchConstraints held = test::patch_constraints(scene, true, true);
@@ -111,6 +113,8 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::Values(Case{"xyz", LossScope::PATCH, true, false, false},
                                          Case{"xyz_pixels", LossScope::PIXEL, true, false, false},
                                          Case{"stored", LossScope::PATCH, false, false, true},
+                                         Case{"noise_of_both", LossScope::PIXEL, true, false, false,
+                                              0.8},
                                          Case{"inverse_depth", LossScope::PATCH, true, true, false},
                                          Case{"inverse_depth_pixels_intrinsics_per_image",
                                               LossScope::PIXEL, true, true, true}),

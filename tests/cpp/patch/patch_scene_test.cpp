@@ -95,6 +95,10 @@ std::vector<T1> t1_cases() {
   };
   add("xyz");
   add("xyz stored").hosted = false;
+  add("xyz, noise of both").noise_ratio = 0.76;
+  PatchSceneOptions& stored = add("xyz stored, noise of both");
+  stored.hosted = false;
+  stored.noise_ratio = 2.0;
   add("inverse depth").inverse_depth = true;
   PatchSceneOptions& bilinear = add("bilinear inverse depth");
   bilinear.interpolation = SampleInterpolation::BILINEAR;
@@ -198,8 +202,10 @@ TEST_P(EdgeDerivatives, OfBrightnessMatchDifferences) {
     Eigen::Matrix<double, Eigen::Dynamic, 2> J_j(scene_.pattern.size(), 2);
     Eigen::Matrix<double, Eigen::Dynamic, 2> J_h = J_j;
     for (int n = 0; n < scene_.pattern.size(); ++n) {
-      J_j.row(n) << -sample.value[n], -b.host_gain;
-      J_h.row(n) << sample.value[n] + b.offset, b.host_gain;
+      const auto by_image = sample.by_brightness(n);
+      const auto by_host = sample.by_host_brightness(n);
+      J_j.row(n) << by_image[0], by_image[1];
+      J_h.row(n) << by_host[0], by_host[1];
     }
     if (j == h) {  // an image against itself: brightness is no matter
       EXPECT_LT(of_image(j).cwiseAbs().maxCoeff(), 1e-9);

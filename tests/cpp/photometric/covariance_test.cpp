@@ -94,8 +94,8 @@ class DenseScene {
       for (std::int64_t e = scene_.starts[p]; e < scene_.starts[p + 1]; ++e) {
         const Eigen::MatrixXd M = projection_jacobian(p, scene_.edges[e]);
         const Eigen::MatrixXd Z_uv = M.leftCols(c) - M.middleCols(c + d_ * p, d_) * follow;
-        const double gain = edge_brightness(scene_, p, scene_.edges[e]).gain;
-        steep += scene_.pattern.size() * gain * gain * Z_uv.transpose() * Z_uv;
+        const EdgeBrightness b = edge_brightness(scene_, p, scene_.edges[e]);
+        steep += scene_.pattern.size() * std::pow(b.scale * b.gain, 2) * Z_uv.transpose() * Z_uv;
       }
     }
     const double v = S.ldlt().solve(found).trace() / S.ldlt().solve(expected).trace();
@@ -191,6 +191,7 @@ struct Case {
   const char* name;
   bool hosted, inverse_depth, brightness, intrinsics;
   double share;
+  double noise_ratio = 0.0;
 };
 class CovarianceTest : public testing::TestWithParam<Case> {
  protected:
@@ -201,6 +202,7 @@ class CovarianceTest : public testing::TestWithParam<Case> {
     options.hosted = GetParam().hosted;
     options.inverse_depth = GetParam().inverse_depth;
     options.brightness = GetParam().brightness;
+    options.noise_ratio = GetParam().noise_ratio;
     options.sigma = 2.0;
     return options;
   }
@@ -210,6 +212,7 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::Values(Case{"stored", false, false, false, false, 0.0},
                                          Case{"stored_shared", false, false, true, false, 0.4},
                                          Case{"xyz", true, false, true, true, 0.5},
+                                         Case{"noise_of_both", true, false, true, false, 0.5, 0.8},
                                          Case{"inverse_depth", true, true, true, false, 0.5},
                                          Case{"intrinsics", true, true, false, true, 0.3}),
                          [](const auto& test) { return test.param.name; });

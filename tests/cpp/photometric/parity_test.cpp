@@ -107,6 +107,11 @@ std::vector<Case> cases() {
   });
   const auto bilinear =
       scene_with([](auto& o) { o.interpolation = SampleInterpolation::BILINEAR; });
+  const auto both = scene_with([](auto& o) { o.noise_ratio = 0.76; });
+  const auto both_inverse = scene_with([](auto& o) {
+    o.noise_ratio = 0.76;
+    o.inverse_depth = true;
+  });
   const Loss t = {LossType::STUDENT_T, 3.0, 5.0};
   const Loss huber = {LossType::HUBER, 2.0, 5.0};
   const Loss patch_huber = {LossType::HUBER, 8.0, 5.0};
@@ -123,6 +128,8 @@ std::vector<Case> cases() {
           {"InverseDepthPatchHuber", patch_huber, kPatch, inverse},
           {"Level1", t, kPixel, coarse},
           {"Spread8", t, kPixel, spread},
+          {"NoiseOfBoth", t, kPixel, both},
+          {"NoiseOfBothPatchHuber", patch_huber, kPatch, both_inverse},
           {"Bilinear", t, kPixel, bilinear},
           {"SharedIntrinsics", t, kPixel, plain, true, true},
           {"IntrinsicsPerImage", t, kPixel, each, true, true, hold_most_intrinsics},

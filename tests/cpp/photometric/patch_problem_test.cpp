@@ -57,6 +57,18 @@ std::vector<Case> cases() {
     o.interpolation = SampleInterpolation::CENTRAL_DIFFERENCE;
   });
   const auto each = scene_with([](auto& o) { o.intrinsics_per_image = true; });
+  const auto both = scene_with([](auto& o) {
+    o.noise_ratio = 0.76;
+    o.sigma = 2.0;
+  });
+  const auto both_inverse = scene_with([](auto& o) {
+    o.noise_ratio = 0.76;
+    o.inverse_depth = true;
+  });
+  const auto both_stored = scene_with([](auto& o) {
+    o.noise_ratio = 1.5;
+    o.hosted = false;
+  });
   return {
       {"StudentT", plain},
       {"Square", plain, {LossType::STUDENT_T, 3.0, 5.0}, LossScope::PIXEL, false, true},
@@ -74,6 +86,9 @@ std::vector<Case> cases() {
       {"Square5", large},
       {"Square3", small},
       {"Level1", coarse},
+      {"NoiseOfBoth", both},
+      {"NoiseOfBothInverseDepth", both_inverse, {LossType::HUBER, 2.0, 5.0}},
+      {"NoiseOfBothStored", both_stored, {LossType::HUBER, 5.0, 5.0}, LossScope::PATCH},
       {"SharedIntrinsics", plain, {LossType::STUDENT_T, 3.0, 5.0}, LossScope::PIXEL, true},
       {"IntrinsicsPerImage", each, {LossType::STUDENT_T, 3.0, 5.0}, LossScope::PIXEL, true}};
 }
@@ -125,11 +140,11 @@ class DenseReference {
                       int n) const {
     Eigen::VectorXd J = Eigen::VectorXd::Zero(H.rows());
     const Eigen::RowVector2d gradient(sample.gradient[n][0], sample.gradient[n][1]);
-    const EdgeBrightness& b = sample.brightness;
+    const auto by_brightness = sample.by_brightness(n);
     const std::int64_t image = 8 * edge.image;
     J.segment<6>(image) -= (gradient * motion.pose).transpose();
-    J[image + 6] -= sample.value[n];
-    J[image + 7] -= b.host_gain;
+    J[image + 6] += by_brightness[0];
+    J[image + 7] += by_brightness[1];
     J.segment<4>(8 * scene_.num_images() + 4 * scene_.intrinsics_row(edge.image)) -=
         (gradient * motion.intrinsics).transpose();
     J.segment<3>(point_column(p)) -= (gradient * motion.point).transpose();
@@ -138,8 +153,9 @@ class DenseReference {
     J.segment<6>(host) -= (gradient * motion.host_pose).transpose();
     J.segment<4>(8 * scene_.num_images() + 4 * scene_.intrinsics_row(scene_.hosts[p])) -=
         (gradient * motion.host_intrinsics).transpose();
-    J[host + 6] += sample.value[n] + b.offset;
-    J[host + 7] += b.host_gain;
+    const auto by_host = sample.by_host_brightness(n);
+    J[host + 6] += by_host[0];
+    J[host + 7] += by_host[1];
     return J;
   }
 

@@ -29,6 +29,7 @@ struct PatchSceneOptions {
   bool intrinsics_per_image = false;  ///< else one row
   int level = 0;                      ///< of the pyramid, at which all edges are read
   double sigma = 0.0;                 ///< noise of the images, grey levels
+  double noise_ratio = 0.0;           ///< PatchScene's
   int min_views = 3;                  ///< images that see a point, at least
 };
 
@@ -100,6 +101,7 @@ class PatchSceneBuilder {
   void place_cameras() {
     scene_.pattern = options_.pattern;
     scene_.interpolation = options_.interpolation;
+    scene_.noise_ratio = options_.noise_ratio;
     scene_.inverse_depth = options_.inverse_depth;
     const int M = options_.num_images;
     const double last = std::max(1, M - 1);

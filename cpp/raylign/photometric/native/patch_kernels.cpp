@@ -83,8 +83,8 @@ RAYLIGN_INLINE PatchSums linearize(const PatchArrays& arrays,
           ++num_seen;
           const Brightness brightness = edge_brightness(arrays, state, p, state.images[edge.image]);
           EdgeTensor tensor;
-          double cost = edge_cost<true>(arrays, edge, pixels, c, brightness,
-                                        brightness.gain * scale_of(edge), logs, tensor);
+          const double slope = brightness.scale * brightness.gain * scale_of(edge);
+          double cost = edge_cost<true>(arrays, edge, pixels, c, brightness, slope, logs, tensor);
           if (edge_costs != nullptr) {
             take_log(logs);
             cost += arrays.law_scale * logs.sum;

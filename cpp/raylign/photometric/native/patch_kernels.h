@@ -9,9 +9,10 @@
 /// instruction sets and chosen at run time. No Eigen here (base/clones.h).
 ///
 /// Notation as in docs/theory/photometric.md. All pixels of an edge share the motion of (u, v), so
-/// that with z = (δu, δv, δα, δβ), α = log gain and β = offset, the prediction p_n = e^α I_n + β
-/// changes by [∇p_n, e^α I_n, 1] z, and an edge's part of the normal equations is
-/// Fᵀ T F and −Fᵀ v, z = F δ: T = Σ w [g; e^α I; 1] [g; e^α I; 1]ᵀ (4×4), v = Σ w r [g; e^α I; 1].
+/// that with z = (δu, δv, δα, δβ), α = log gain and β = offset, a residual
+/// r_n = s(α) (c_n − e^α I_n − β) changes by −f_n z, f_n = [g_n, q_n, s]: g_n = s e^α ∇I_n and
+/// q_n = s e^α I_n + τ r_n, τ = −∂ log s / ∂α. An edge's part of the normal equations is
+/// Fᵀ T F and −Fᵀ v, z = F δ: T = Σ w f fᵀ (4×4), v = Σ w r f.
 namespace raylign::native {
 
 /// Numbers of an image in the normal equations: ξ (6), a, b, then fx, fy, cx, cy when they move.
@@ -64,7 +65,8 @@ struct PatchArrays {
   const float* offsets_u;  ///< (padded_pixels,)
   const float* offsets_v;
   Reader reader;
-  double min_depth;  ///< −infinity: points behind are seen, too
+  double min_depth;    ///< −infinity: points behind are seen, too
+  double noise_ratio;  ///< κ of s = √((1 + κ) / (1 + κ e^{2α}))
   const PlaneRef* planes;
   const std::int64_t* starts;  ///< (N + 1,) first edge of each point
   const KernelEdge* edges;

@@ -58,6 +58,7 @@ PatchLayout::PatchLayout(const PatchScene& scene,
                          bool with_intrinsics) {
   arrays_.reader = reader_of(scene);
   arrays_.min_depth = scene.min_depth;
+  arrays_.noise_ratio = scene.noise_ratio;
   arrays_.inverse_depth = scene.inverse_depth;
   arrays_.with_intrinsics = with_intrinsics;
   set_law(options, arrays_);

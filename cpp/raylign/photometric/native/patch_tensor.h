@@ -90,6 +90,7 @@ RAYLIGN_INLINE double weigh_patch(const PatchArrays& arrays, double s, double& w
 
 struct Brightness {
   double gain, offset, host_gain;
+  double scale, fall;  // s and τ of patch_kernels.h
 };
 
 RAYLIGN_INLINE Brightness edge_brightness(const PatchArrays& arrays,
@@ -97,10 +98,18 @@ RAYLIGN_INLINE Brightness edge_brightness(const PatchArrays& arrays,
                                           std::int64_t p,
                                           const ImagePacket& image) {
   const std::int32_t host = arrays.hosts[p];
-  if (host < 0) return {image.gain, image.b, 1.0};
-  const ImagePacket& from = state.images[host];
-  return {image.gain * from.inverse_gain, from.inverse_gain * (image.b - from.b),
-          from.inverse_gain};
+  Brightness out = {image.gain, image.b, 1.0, 1.0, 0.0};
+  if (host >= 0) {
+    const ImagePacket& from = state.images[host];
+    out.gain *= from.inverse_gain;
+    out.offset = from.inverse_gain * (image.b - from.b);
+    out.host_gain = from.inverse_gain;
+  }
+  const double of_image = arrays.noise_ratio * out.gain * out.gain;
+  const double inverse = 1.0 / (1.0 + of_image);
+  out.scale = std::sqrt((1.0 + arrays.noise_ratio) * inverse);
+  out.fall = of_image * inverse;
+  return out;
 }
 
 // T and v of an edge; see patch_kernels.h.
@@ -109,10 +118,10 @@ struct EdgeTensor {
   double v[4];
 };
 
-// Lane sums of one edge: ∇I ∇Iᵀ, ∇I I, ∇I, I I, I, 1, r ∇I, r I, r, each times w.
+// Lane sums of one edge: ∇I ∇Iᵀ, ∇I I, ∇I, I I, I, 1, r ∇I, r I, r, r r, each times w.
 struct TensorSums {
   F4 uu = {}, uv = {}, vv = {}, uI = {}, vI = {}, u = {}, v = {}, II = {}, I = {}, one = {};
-  F4 ru = {}, rv = {}, rI = {}, r = {};
+  F4 ru = {}, rv = {}, rI = {}, r = {}, rr = {};
 };
 
 RAYLIGN_INLINE void add_strip(TensorSums& t, F4 I, F4 I_u, F4 I_v, F4 r, F4 w) {
@@ -132,31 +141,37 @@ RAYLIGN_INLINE void add_strip(TensorSums& t, F4 I, F4 I_u, F4 I_v, F4 r, F4 w) {
   t.ru += wu * r;
   t.rv += wv * r;
   t.rI += wI * r;
-  t.r += w * r;
+  const F4 wr = w * r;
+  t.r += wr;
+  t.rr += wr * r;
 }
 
+// f = [slope ∇I, s gain I + τ r, s], slope: s gain per px of level 0.
 RAYLIGN_INLINE void finish_tensor(
-    const TensorSums& t, double gain, double slope, double weight, EdgeTensor& out) {
+    const TensorSums& t, const Brightness& b, double slope, double weight, EdgeTensor& out) {
   const F4 first = sum_lanes(t.uu, t.uv, t.vv, t.uI);
   const F4 second = sum_lanes(t.vI, t.u, t.v, t.II);
   const F4 third = sum_lanes(t.I, t.one, t.ru, t.rv);
-  const F4 fourth = sum_lanes(t.rI, t.r, t.r, t.r);
+  const F4 fourth = sum_lanes(t.rI, t.r, t.rr, t.rr);
+  const double gain = b.scale * b.gain;
   const double s = weight * slope;
   const double g = weight * gain;
+  const double of_r = weight * b.fall;
+  const double one = weight * b.scale;
   out.T[0][0] = s * slope * first[0];
   out.T[0][1] = out.T[1][0] = s * slope * first[1];
   out.T[1][1] = s * slope * first[2];
-  out.T[0][2] = out.T[2][0] = s * gain * first[3];
-  out.T[1][2] = out.T[2][1] = s * gain * second[0];
-  out.T[0][3] = out.T[3][0] = s * second[1];
-  out.T[1][3] = out.T[3][1] = s * second[2];
-  out.T[2][2] = g * gain * second[3];
-  out.T[2][3] = out.T[3][2] = g * third[0];
-  out.T[3][3] = weight * third[1];
+  out.T[0][2] = out.T[2][0] = s * (gain * first[3] + b.fall * third[2]);
+  out.T[1][2] = out.T[2][1] = s * (gain * second[0] + b.fall * third[3]);
+  out.T[0][3] = out.T[3][0] = s * b.scale * second[1];
+  out.T[1][3] = out.T[3][1] = s * b.scale * second[2];
+  out.T[2][2] = g * gain * second[3] + of_r * (2.0 * gain * fourth[0] + b.fall * fourth[2]);
+  out.T[2][3] = out.T[3][2] = b.scale * (g * third[0] + of_r * fourth[1]);
+  out.T[3][3] = one * b.scale * third[1];
   out.v[0] = s * third[2];
   out.v[1] = s * third[3];
-  out.v[2] = g * fourth[0];
-  out.v[3] = weight * fourth[1];
+  out.v[2] = g * fourth[0] + of_r * fourth[2];
+  out.v[3] = one * fourth[1];
 }
 
 // Σ ρ of an edge, but for the logarithms of LOG, which go to `logs` and stand for k times
@@ -173,13 +188,14 @@ RAYLIGN_INLINE double strip_costs(const PatchArrays& arrays,
                                   EdgeTensor& tensor) {
   const auto gain = static_cast<float>(brightness.gain);
   const auto offset = static_cast<float>(brightness.offset);
+  const auto s = static_cast<float>(brightness.scale);
   const auto scale = static_cast<float>(arrays.law_scale);
   const auto inverse_k = static_cast<float>(1.0 / arrays.law_scale);
   const Law law = arrays.per_patch ? Law::TRIVIAL : arrays.law;
   RhoSum rho;
   TensorSums sums;
   for (int n = 0; n < num_strips; ++n) {
-    const F4 r = load(c + 4 * n) - (gain * pixels.I[n] + offset);
+    const F4 r = s * (load(c + 4 * n) - (gain * pixels.I[n] + offset));
     const F4 w = weigh(law, scale, inverse_k, r * r, mask_lanes(edge.mask, n), rho);
     if (kGradient) add_strip(sums, pixels.I[n], pixels.I_u[n], pixels.I_v[n], r, w);
     if (law == Law::LOG && n % 4 == 3) move_product(rho, logs);  // a lane of four fits a float
@@ -193,7 +209,7 @@ RAYLIGN_INLINE double strip_costs(const PatchArrays& arrays,
             (static_cast<double>(rho.sum[2]) + rho.sum[3]);
     if (arrays.per_patch) twice = weigh_patch(arrays, twice, weight);
   }
-  if (kGradient) finish_tensor(sums, brightness.gain, slope, weight, tensor);
+  if (kGradient) finish_tensor(sums, brightness, slope, weight, tensor);
   return twice;
 }
 
