@@ -38,12 +38,23 @@ void bind_options(py::module_& m) {
              "Largest believed turn between frames, rad, > 0.");
   motion.finish();
 
+  OptionsBinder<ShutterOptions> shutter(m, "ShutterOptions", "Rolling shutter.",
+                                        [](const ShutterOptions& value) { value.validate(); });
+  shutter
+      .field("estimate_readout", &ShutterOptions::estimate_readout,
+             "Whether readout_s is found from the sequence itself.")
+      .field("readout_s", &ShutterOptions::readout_s,
+             "From the first row to the last, s, or where the estimate begins; 0: global, < 0: "
+             "from below.");
+  shutter.finish();
+
   OptionsBinder<OdometryOptions> options(m, "OdometryOptions", "Options of RgbdOdometry.",
                                          [](const OdometryOptions& value) { value.validate(); });
   options.field("tracking", &OdometryOptions::tracking, "TrackingOptions, not SIM3.")
       .field("keyframe", &OdometryOptions::keyframe, "KeyframeOptions: the points.")
       .field("keyframe_rule", &OdometryOptions::keyframe_rule, "KeyframeRule.")
       .field("motion", &OdometryOptions::motion, "MotionModelOptions.")
+      .field("shutter", &OdometryOptions::shutter, "ShutterOptions.")
       .field("depth_model", &OdometryOptions::depth_model, "DepthModel of the sensor.")
       .field("depth_scale", &OdometryOptions::depth_scale,
              "Units per m of uint16 depth images, > 0.")
@@ -81,6 +92,8 @@ void bind_result(py::module_& m) {
       .def_readonly("is_keyframe", &OdometryResult::is_keyframe,
                     "Whether the frames that follow are aligned with this one.")
       .def_readonly("num_alignments", &OdometryResult::num_alignments, "Alignments tried.")
+      .def_readonly("readout_s", &OdometryResult::readout_s,
+                    "Readout time of the rows (ShutterOptions) as known with this frame, s.")
       .def_readonly("alignment", &OdometryResult::alignment,
                     "AlignmentResult with that keyframe; of the last try when LOST.");
 }

@@ -1756,12 +1756,28 @@ class MotionModelOptions:
     def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+class ShutterOptions:
+    __fields__: ClassVar[tuple[str, ...]]
+    estimate_readout: bool
+    readout_s: float
+    def __init__(self, *, estimate_readout: bool = ..., readout_s: float = ...) -> None: ...
+    def replace(self, *, estimate_readout: bool = ..., readout_s: float = ...) -> Self: ...
+    def validate(self) -> None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+    def __repr__(self) -> str: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: dict[Any, Any], /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
 class OdometryOptions:
     __fields__: ClassVar[tuple[str, ...]]
     tracking: TrackingOptions
     keyframe: KeyframeOptions
     keyframe_rule: KeyframeRule
     motion: MotionModelOptions
+    shutter: ShutterOptions
     depth_model: DepthModel
     depth_scale: float
     num_recovery_keyframes: int
@@ -1773,6 +1789,7 @@ class OdometryOptions:
         keyframe: KeyframeOptions = ...,
         keyframe_rule: KeyframeRule = ...,
         motion: MotionModelOptions = ...,
+        shutter: ShutterOptions = ...,
         depth_model: DepthModel = ...,
         depth_scale: float = ...,
         num_recovery_keyframes: int = ...,
@@ -1785,6 +1802,7 @@ class OdometryOptions:
         keyframe: KeyframeOptions = ...,
         keyframe_rule: KeyframeRule = ...,
         motion: MotionModelOptions = ...,
+        shutter: ShutterOptions = ...,
         depth_model: DepthModel = ...,
         depth_scale: float = ...,
         num_recovery_keyframes: int = ...,
@@ -1822,6 +1840,8 @@ class OdometryResult:
     def is_keyframe(self) -> bool: ...
     @property
     def num_alignments(self) -> int: ...
+    @property
+    def readout_s(self) -> float: ...
     @property
     def alignment(self) -> AlignmentResult: ...
 

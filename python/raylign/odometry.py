@@ -23,6 +23,7 @@ from raylign._core import (
     OdometryStatus,
     PinholeCamera,
     RadtanCamera,
+    ShutterOptions,
 )
 from raylign._typing import F64, AnyArray
 from raylign.image import Interpolation, Undistorter, inscribed_camera
@@ -38,6 +39,7 @@ __all__ = [
     "OdometryStatus",
     "Rectifier",
     "RgbdOdometry",
+    "ShutterOptions",
     "has_pose",
     "run",
 ]

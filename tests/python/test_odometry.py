@@ -12,6 +12,7 @@ from raylign.odometry import (
     OdometryOptions,
     OdometryStatus,
     RgbdOdometry,
+    ShutterOptions,
 )
 from raylign.trajectory import Trajectory
 
@@ -61,6 +62,58 @@ def test_follows_a_handheld_camera(sequence):
     assert error_of(run, T_wc, np.arange(len(frames)) / 30.0) < 0.01
     assert not run.was_interrupted
     assert run.num_lost == 0
+
+
+def rolling(readout_time, n=20, fps=15.0):
+    # fast enough that rows of one image differ by degrees
+    timestamps, T_wc = synthetic.trajectory("handheld", n=n, extent=0.4, angle_deg=25.0, fps=fps)
+    options = synthetic.RenderOptions(readout_time=readout_time)
+    T_cw = geometry.se3_inverse(T_wc)
+    frames = []
+    for i, pose in enumerate(T_cw):
+        twist = 0.5 * geometry.se3_log(T_cw[min(i + 1, n - 1)] @ T_wc[max(i - 1, 0)])
+        frame = synthetic.render(
+            synthetic.boxes(seed=1), CAMERA, pose, width=WIDTH, height=HEIGHT, options=options,
+            sensor=synthetic.SensorOptions(read_noise=1.0), motion=twist, seed=1, index=i,
+        )  # fmt: skip
+        frames.append((frame.image, synthetic.sense_depth(frame, CAMERA, seed=1, index=i)))
+    return frames, T_wc, timestamps
+
+
+def follow(frames, timestamps, options):
+    tracker = RgbdOdometry(CAMERA, options=options)
+    return [
+        tracker.track(image, depth, timestamp=float(t))
+        for (image, depth), t in zip(frames, timestamps, strict=True)
+    ]
+
+
+def errors_to_keyframe(results, T_wc):
+    errors = []
+    for r in results[1:]:
+        T_th = geometry.se3_inverse(T_wc[r.frame]) @ T_wc[r.keyframe]
+        errors.append(np.linalg.norm((r.alignment.T_th @ np.linalg.inv(T_th))[:3, 3]))
+    return np.array(errors)
+
+
+@pytest.mark.parametrize("with_depth", [False, True])
+def test_finds_the_readout_time_of_a_rolling_shutter(with_depth):
+    frames, T_wc, timestamps = rolling(0.8)
+    options = OdometryOptions()
+    depth_term = options.tracking.depth.replace(enabled=with_depth)
+    options = options.replace(tracking=options.tracking.replace(depth=depth_term))
+    found = follow(frames, timestamps, options)
+    assert all(r.status is OdometryStatus.OK for r in found)
+    assert found[-1].readout_s == pytest.approx(0.8 / 15.0, rel=0.25)
+    held = options.replace(shutter=ShutterOptions(estimate_readout=False))
+    rigid = errors_to_keyframe(follow(frames, timestamps, held), T_wc)
+    assert errors_to_keyframe(found, T_wc).max() < 0.6 * rigid.max()
+
+
+def test_a_global_shutter_has_no_readout_time():
+    frames, _, timestamps = rolling(0.0)
+    results = follow(frames, timestamps, OdometryOptions())
+    assert abs(results[-1].readout_s) < 0.05 / 15.0
 
 
 def test_same_bits_for_any_number_of_threads(sequence):

@@ -22,6 +22,10 @@ Matrix4 MotionModel::predict(double timestamp) const {
   return se3_exp(steps * velocity_) * T_last_;
 }
 
+Vector6 MotionModel::velocity() const {
+  return has_velocity() ? Vector6(velocity_ / step_s_) : Vector6(Vector6::Zero());
+}
+
 std::vector<Matrix4> MotionModel::alternatives(double timestamp) const {
   std::vector<Matrix4> starts;
   if (options_.constant_velocity) starts.push_back(T_last_);

@@ -24,6 +24,10 @@ class MotionModel {
   /// The last pose that was given to `update`.
   const Matrix4& last() const { return T_last_; }
   bool has_last() const { return has_last_; }
+  double last_timestamp() const { return last_s_; }
+  /// The last step per s, a left twist of T_cw; zero when it is not known.
+  Vector6 velocity() const;
+  bool has_velocity() const { return step_s_ > 0.0; }
 
   /// Takes the pose of a tracked frame; `after_loss`: it does not continue the one before, so it
   /// says nothing about velocity.

@@ -28,6 +28,10 @@ void MotionModelOptions::validate() const {
                  max_frame_rotation);
 }
 
+void ShutterOptions::validate() const {
+  require_option(std::isfinite(readout_s), "ShutterOptions.readout_s", "finite (s)", readout_s);
+}
+
 TrackingOptions OdometryOptions::default_tracking() {
   TrackingOptions tracking;
   tracking.depth.estimate_weight = false;
@@ -44,6 +48,12 @@ KeyframeOptions OdometryOptions::default_keyframe() {
   return keyframe;
 }
 
+DepthModel OdometryOptions::default_depth_model() {
+  DepthModel model;
+  model.edge_radius = 2;
+  return model;
+}
+
 void OdometryOptions::validate() const {
   tracking.validate();
   if (tracking.motion == MotionGroup::SIM3) {
@@ -52,6 +62,7 @@ void OdometryOptions::validate() const {
   keyframe.validate();
   keyframe_rule.validate();
   motion.validate();
+  shutter.validate();
   depth_model.validate();
   require_option(depth_scale > 0 && std::isfinite(depth_scale), "OdometryOptions.depth_scale",
                  "finite and > 0 (units per m)", depth_scale);

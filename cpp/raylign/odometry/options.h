@@ -35,12 +35,24 @@ struct MotionModelOptions {
   void validate() const;
 };
 
+/// Rolling shutter (tracking/shutter.h).
+struct ShutterOptions {
+  /// From the sequence itself: bent images of a moving camera tell. Stays near zero for a global
+  /// shutter.
+  bool estimate_readout = true;
+  /// s from the first row to the last, or where the estimate begins; 0: global, < 0: from below.
+  double readout_s = 0.0;
+
+  void validate() const;
+};
+
 struct OdometryOptions {
   TrackingOptions tracking = default_tracking();
   KeyframeOptions keyframe = default_keyframe();
   KeyframeRule keyframe_rule;
   MotionModelOptions motion;
-  DepthModel depth_model;
+  ShutterOptions shutter;
+  DepthModel depth_model = default_depth_model();
   double depth_scale = 1000.0;      ///< units per m of uint16 depth images, > 0
   int num_recovery_keyframes = 10;  ///< a lost frame is compared with as many, newest first; >= 1
   /// An alignment below keyframe_rule.min_agreement is believed only when depth agrees, with or
@@ -55,6 +67,8 @@ struct OdometryOptions {
   static TrackingOptions default_tracking();
   /// At most 8000 points per level, also where there is little gradient: with depth they count.
   static KeyframeOptions default_keyframe();
+  /// Two pixels beside a depth edge are not believed: a point's depth is wanted at its own pixel.
+  static DepthModel default_depth_model();
   /// Throws OptionsError naming the field, the rule and the value.
   void validate() const;
 };

@@ -17,6 +17,10 @@ namespace {
 
 // Starts that are followed down to the finest level after all were tried on the coarsest.
 constexpr std::size_t kFinalists = 2;
+// A frame is aligned anew while the readout time moves its first and last rows by more px, and no
+// more often.
+constexpr double kReadoutTolerance = 0.1;
+constexpr int kMaxRealignments = 3;
 
 TrackingOptions on_coarsest_level(TrackingOptions options) {
   options.finest_level = options.coarsest_level;
@@ -54,6 +58,7 @@ RgbdOdometry::RgbdOdometry(const PinholeCamera& camera,
       options_((options.validate(), options)),
       T_cw_first_(se3_inverse(T_wc)),
       motion_(options.motion),
+      readout_(options.shutter),
       converter_(options.depth_model),
       aligner_(options.tracking),
       coarse_aligner_(on_coarsest_level(options.tracking)) {
@@ -78,12 +83,14 @@ OdometryResult RgbdOdometry::track(const ImageView& image,
                           : is_lost_         ? recover(*shot->frame, result)
                                              : follow(*shot->frame, result);
   if (is_tracked) {
+    if (!is_lost_) refine_readout(keyframes_.back(), *shot->frame, result);
     finish(shot, result);
   } else {
     result.status = keyframes_.empty() ? OdometryStatus::NO_DEPTH : OdometryStatus::LOST;
     result.T_wc.setConstant(std::numeric_limits<double>::quiet_NaN());
     is_lost_ = !keyframes_.empty();
   }
+  result.readout_s = readout_.readout_s();
   return result;
 }
 
@@ -185,7 +192,8 @@ bool RgbdOdometry::try_start(Placed& reference,
                              const Frame& frame,
                              const Matrix4& T_cw,
                              OdometryResult& result) {
-  const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b};
+  const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b,
+                             shutter(reference)};
   result.alignment = aligner_.align(*reference.keyframe, frame, start);
   ++result.num_alignments;
   AlignmentResult& alignment = result.alignment;
@@ -198,6 +206,49 @@ bool RgbdOdometry::try_start(Placed& reference,
   reference.a = alignment.a;
   reference.b = alignment.b;
   return true;
+}
+
+Shutter RgbdOdometry::shutter(const Placed& reference) const {
+  Shutter shutter;
+  shutter.readout_s = readout_.readout_s();
+  shutter.has_motion = !is_lost_ && motion_.has_last() &&
+                       (options_.shutter.estimate_readout || shutter.readout_s != 0.0);
+  if (!shutter.has_motion) return shutter;
+  shutter.host_velocity = reference.velocity;
+  shutter.T_before_h = motion_.last() * se3_inverse(reference.T_kw);
+  shutter.elapsed_s = last_timestamp_ - motion_.last_timestamp();
+  return shutter;
+}
+
+// By how much readout_s shifts the target's first and last rows against the keyframe's.
+double RgbdOdometry::sweep_px(const Placed& reference,
+                              const OdometryResult& result,
+                              double readout_s) const {
+  const Matrix4& T_th = result.alignment.T_th;
+  const Vector6 sweep =
+      0.5 * readout_s *
+      (shutter(reference).target_velocity(T_th) - se3_adjoint(T_th) * reference.velocity);
+  return camera_.fx() *
+         (sweep.tail<3>().norm() + sweep.head<3>().norm() * result.alignment.mean_inverse_depth);
+}
+
+void RgbdOdometry::refine_readout(Placed& reference, const Frame& frame, OdometryResult& result) {
+  if (!options_.shutter.estimate_readout || !(result.alignment.readout.information > 0.0)) return;
+  // no row is read when the next frame's turn has come
+  const double bound_s = last_timestamp_ - motion_.last_timestamp();
+  for (int i = 0; i <= kMaxRealignments; ++i) {
+    const double step_s = readout_.move(result.alignment.readout, bound_s);
+    if (i == kMaxRealignments ||
+        sweep_px(reference, result, std::abs(step_s)) < kReadoutTolerance) {
+      break;
+    }
+    OdometryResult again = result;
+    const bool is_ok = try_start(reference, frame, se3_inverse(result.T_wc), again);
+    result.num_alignments = again.num_alignments;
+    if (!is_ok) break;
+    result = std::move(again);
+  }
+  readout_.keep();
 }
 
 // An alignment that is OK by itself may still not be believed.
@@ -230,7 +281,7 @@ bool RgbdOdometry::try_best_of(Placed& reference,
                                OdometryResult& result) {
   std::vector<std::pair<double, Matrix4>> found;
   for (const Matrix4& T_cw : starts) {
-    const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b};
+    const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b, {}};
     const AlignmentResult coarse = coarse_aligner_.align(*reference.keyframe, frame, start);
     ++result.num_alignments;
     const double score = coarse.agreement * coarse.overlap;
@@ -263,15 +314,28 @@ bool RgbdOdometry::add_keyframe(const std::shared_ptr<Shot>& shot,
   auto keyframe = std::make_shared<Keyframe>(shot->frame, options_.keyframe);
   const int finest = std::min(options_.tracking.finest_level, keyframe->num_levels() - 1);
   if (keyframe->points(finest).num_points() < options_.tracking.acceptance.min_points) return false;
-  keyframes_.push_back({shot, std::move(keyframe), T_cw, number});
+  keyframes_.push_back({shot, std::move(keyframe), T_cw, number, velocity_});
   if (static_cast<int>(keyframes_.size()) > options_.num_recovery_keyframes) {
     keyframes_.pop_front();
   }
   return true;
 }
 
+// A keyframe's velocity is known best when the frame after it is: the mean of the two steps.
+void RgbdOdometry::update_velocities(const Matrix4& T_cw, double timestamp) {
+  velocity_.setZero();
+  if (is_lost_ || !motion_.has_last()) return;
+  const double elapsed_s = timestamp - motion_.last_timestamp();
+  velocity_ = se3_log(T_cw * se3_inverse(motion_.last())) / elapsed_s;
+  Placed& newest = keyframes_.back();
+  if (newest.frame != previous_number_) return;
+  newest.velocity =
+      motion_.has_velocity() ? Vector6(0.5 * (velocity_ + motion_.velocity())) : velocity_;
+}
+
 void RgbdOdometry::finish(const std::shared_ptr<Shot>& shot, OdometryResult& result) {
   const Matrix4 T_cw = se3_inverse(result.T_wc);
+  update_velocities(T_cw, result.timestamp);
   result.status = is_lost_ ? OdometryStatus::RECOVERED : OdometryStatus::OK;
   motion_.update(T_cw, result.timestamp, is_lost_);
   is_lost_ = false;

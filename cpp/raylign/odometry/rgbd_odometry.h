@@ -15,6 +15,7 @@
 #include "raylign/odometry/depth_agreement.h"
 #include "raylign/odometry/motion_model.h"
 #include "raylign/odometry/options.h"
+#include "raylign/odometry/readout.h"
 #include "raylign/tracking/aligner.h"
 
 namespace raylign {
@@ -39,6 +40,7 @@ struct OdometryResult {
   std::int64_t keyframe = -1;          ///< frame number of the keyframe it was aligned with
   bool is_keyframe = false;            ///< it is the keyframe for those that follow
   int num_alignments = 0;              ///< alignments tried
+  double readout_s = 0.0;              ///< of the rows, as known with this frame
   AlignmentResult alignment;           ///< with that keyframe; of the last try when LOST
 };
 
@@ -73,7 +75,8 @@ class RgbdOdometry {
     std::shared_ptr<Keyframe> keyframe;
     Matrix4 T_kw = Matrix4::Identity();
     std::int64_t frame = -1;
-    double a = 0.0;  ///< brightness of the last frame aligned with it
+    Vector6 velocity = Vector6::Zero();  ///< per s, left twist of T_kw
+    double a = 0.0;                      ///< brightness of the last frame aligned with it
     double b = 0.0;
   };
 
@@ -91,15 +94,20 @@ class RgbdOdometry {
                    const Frame& frame,
                    const std::vector<Matrix4>& starts,
                    OdometryResult& result);
+  Shutter shutter(const Placed& reference) const;
+  void refine_readout(Placed& reference, const Frame& frame, OdometryResult& result);
+  double sweep_px(const Placed& reference, const OdometryResult& result, double readout_s) const;
   void judge(const Placed& reference, const Matrix4& T_cw, AlignmentResult& alignment) const;
   bool needs_keyframe(const OdometryResult& result) const;
   bool add_keyframe(const std::shared_ptr<Shot>& shot, const Matrix4& T_cw, std::int64_t number);
+  void update_velocities(const Matrix4& T_cw, double timestamp);
   void finish(const std::shared_ptr<Shot>& shot, OdometryResult& result);
 
   PinholeCamera camera_;
   OdometryOptions options_;
   Matrix4 T_cw_first_;
   MotionModel motion_;
+  ReadoutEstimator readout_;
   InverseDepthConverter converter_;
   Aligner aligner_;
   Aligner coarse_aligner_;
@@ -109,6 +117,7 @@ class RgbdOdometry {
   std::deque<Placed> keyframes_;    ///< oldest first
   std::shared_ptr<Shot> previous_;  ///< the last tracked frame
   std::int64_t previous_number_ = -1;
+  Vector6 velocity_ = Vector6::Zero();  ///< of the last tracked frame, per s
   std::int64_t num_frames_ = 0;
   double last_timestamp_ = 0.0;
   int width_ = 0;

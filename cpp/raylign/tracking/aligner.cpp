@@ -231,6 +231,11 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
     const Stopwatch clock;
     PointPass pass(keyframe, target, level, options_, pool_, workspace_);
     const bool is_last = level == levels.finest;
+    const Shutter& shutter = start.shutter;
+    const Vector6 velocity = shutter.target_velocity(state.T_th);
+    if (shutter.has_motion) {
+      pass.set_sweep(shutter.readout_s * shutter.host_velocity, shutter.readout_s * velocity);
+    }
     const bool estimates = pass.has_depth_term() && options_.depth.estimate_weight;
     AlignmentProblem<Motion> problem(pass, options_, state, scales, is_last || estimates);
     lm.max_num_iterations = options_.max_iterations(level);
@@ -254,6 +259,12 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
     tracking::set_agreement(blocks, pass.num_points(), result);
     tracking::set_uncertainty(blocks, free_columns<Motion>(options_), options_,
                               pass.has_depth_term() ? scales.depth_weight : 0.0, result);
+    if (shutter.has_motion) {
+      result.readout = tracking::readout_equation(
+          problem.bands(), pass.band_twists(state.T_th, shutter.host_velocity, velocity),
+          free_columns<Motion>(options_), options_,
+          pass.has_depth_term() ? scales.depth_weight : 0.0);
+    }
     tracking::set_status(options_, result);
     if (with_maps) {
       result.maps = tracking::make_maps(keyframe, target, level, pass.settings(state, scales));

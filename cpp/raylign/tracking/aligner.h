@@ -15,6 +15,7 @@ struct AlignmentStart {
   Matrix4 T_th = Matrix4::Identity();
   double a = 0.0;
   double b = 0.0;
+  Shutter shutter;
 };
 
 /// Aligns frames with keyframes, coarse to fine. Keeps threads and memory between calls; one call

@@ -140,6 +140,8 @@ class AlignmentProblem {
   int num_evaluations() const { return num_evaluations_; }
   /// By tiles, at the current state.
   const std::vector<TileSums>& tiles() const { return pass_.workspace().buffers[current_].tiles; }
+  /// By bands, at the current state.
+  const std::vector<PassSums>& bands() const { return pass_.workspace().buffers[current_].bands; }
 
   /// Makes the sums those of σ at the current state.
   void thaw() {

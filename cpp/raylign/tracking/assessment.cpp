@@ -197,6 +197,44 @@ void set_uncertainty(const BlockSums& blocks,
   result.inflation = (information * sandwich.topLeftCorner(n, n)).trace() / static_cast<double>(n);
 }
 
+ReadoutEquation readout_equation(const std::vector<PassSums>& bands,
+                                 const std::vector<Vector6>& twists,
+                                 const std::vector<int>& columns,
+                                 const TrackingOptions& options,
+                                 double depth_weight) {
+  const bool brightness = options.affine.mode != AffineMode::NONE;
+  const bool with_scale = options.motion == MotionGroup::SIM3;
+  Matrix9 H = Matrix9::Zero();
+  Vector9 g = Vector9::Zero();
+  Vector9 cross = Vector9::Zero();
+  ReadoutEquation own;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const NormalEquations photometric = photometric_equations(bands[i].photometric, brightness);
+    const NormalEquations depth = depth_equations(bands[i].depth, with_scale);
+    const Matrix9 H_band = photometric.H + depth_weight * depth.H;
+    const Vector9 g_band = photometric.g + depth_weight * depth.g;
+    const Vector9 H_twist = H_band.leftCols<6>() * twists[i];
+    H += H_band;
+    g += g_band;
+    cross += H_twist;
+    own.information += twists[i].dot(H_twist.head<6>());
+    own.gradient += twists[i].dot(g_band.head<6>());
+  }
+  // pose and brightness follow: the Schur complement
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  Eigen::VectorXd c(n);
+  Eigen::VectorXd r(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    c[i] = cross[columns[i]];
+    r[i] = g[columns[i]];
+  }
+  const Eigen::VectorXd follow = select(H, columns).ldlt().solve(c);
+  own.information -= c.dot(follow);
+  own.gradient -= r.dot(follow);
+  const bool is_sound = std::isfinite(own.gradient) && own.information > 0.0;
+  return is_sound ? own : ReadoutEquation{};
+}
+
 void set_agreement(const BlockSums& blocks, int num_points, AlignmentResult& result) {
   const PassSums& sums = blocks.sums;
   const double in_view = sums.photometric.count;

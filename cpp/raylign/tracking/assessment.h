@@ -28,6 +28,14 @@ void set_uncertainty(const BlockSums& blocks,
                      double depth_weight,
                      AlignmentResult& result);
 
+/// What the bands of a pass say about the readout time; `twists`: of T_th in each band, per second
+/// of it.
+ReadoutEquation readout_equation(const std::vector<PassSums>& bands,
+                                 const std::vector<Vector6>& twists,
+                                 const std::vector<int>& columns,
+                                 const TrackingOptions& options,
+                                 double depth_weight);
+
 /// Overlap, usage, good ratio, agreement, residual variances.
 void set_agreement(const BlockSums& blocks, int num_points, AlignmentResult& result);
 

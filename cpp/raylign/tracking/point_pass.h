@@ -33,12 +33,12 @@ struct PassBuffers {
   std::vector<float> photometric;
   std::vector<float> depth;
   std::vector<TileSums> tiles;
+  std::vector<PassSums> bands;  ///< the summands of the sums, from top to bottom
 };
 
 /// Memory of a pass; kept between levels and frames.
 struct Workspace {
   PassBuffers buffers[2];
-  std::vector<PassSums> chunk_sums;
 };
 
 /// Runs the kernel over all points of a level, on several threads; the bits of the sums do not
@@ -60,6 +60,17 @@ class PointPass {
                PassBuffers& out,
                bool with_tiles = false);
 
+  /// Rows of the target are read at these twists per unit of s (tracking/shutter.h) from now on.
+  void set_sweep(const Vector6& host, const Vector6& target) {
+    host_sweep_ = host;
+    target_sweep_ = target;
+    is_swept_ = !host.isZero(0.0) || !target.isZero(0.0);
+  }
+  /// The left twist of T_th that the sweep gives each band.
+  std::vector<Vector6> band_twists(const Matrix4& T_th,
+                                   const Vector6& host_sweep,
+                                   const Vector6& target_sweep) const;
+
   int level() const { return level_; }
   int num_points() const { return points_.num_points(); }
   double mean_inverse_depth() const { return points_.mean_inverse_depth(); }
@@ -68,22 +79,29 @@ class PointPass {
   PassSettings settings(const PoseState& state, const TermScales& scales) const;
 
  private:
-  // Tiles [begin, end) make a task of about a thousand points.
-  struct Chunk {
+  // Tiles [begin, end) make a task: a band of the image with about a thousand points.
+  struct Band {
     std::size_t begin;
     std::size_t end;
+    double row;  ///< of the keyframe, in its middle
   };
 
-  void make_chunks();
+  void make_bands();
 
   const PointList& points_;
   TargetArrays target_;
   PinholeCamera camera_;
+  PinholeCamera host_camera_;
+  int host_width_;
+  int host_height_;
   int level_;
   const TrackingOptions& options_;
   ThreadPool& pool_;
   Workspace& workspace_;
-  std::vector<Chunk> chunks_;
+  std::vector<Band> bands_;
+  Vector6 host_sweep_ = Vector6::Zero();
+  Vector6 target_sweep_ = Vector6::Zero();
+  bool is_swept_ = false;
 };
 
 }  // namespace raylign::tracking

@@ -10,6 +10,7 @@
 #include "raylign/image/plane.h"
 #include "raylign/solver/summary.h"
 #include "raylign/tracking/options.h"
+#include "raylign/tracking/shutter.h"
 
 namespace raylign {
 
@@ -77,6 +78,7 @@ struct AlignmentResult {
   double a = 0.0;  ///< target brightness: r = I_h − (e^a I_t + b)
   double b = 0.0;  ///< grey levels
   double mean_inverse_depth = 0.0;
+  ReadoutEquation readout;          ///< where AlignmentStart::shutter has a motion
   std::vector<LevelResult> levels;  ///< coarse to fine
   AlignmentMaps maps;               ///< empty unless asked for
 };

@@ -196,6 +196,7 @@ def row(result: OdometryResult) -> dict[str, Any]:
         "keyframe": result.keyframe,
         "is_keyframe": result.is_keyframe,
         "num_alignments": result.num_alignments,
+        "readout_s": result.readout_s,
         "alignment_status": alignment.status,
         "num_points": alignment.num_points,
         "overlap": alignment.overlap,

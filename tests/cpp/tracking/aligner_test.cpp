@@ -323,7 +323,7 @@ int num_found(bool rotation_first) {
       xi << 0.18, -0.15, 0.12, 0.0, 0.0, 0.0;
       xi[3 + axis] = (step % 2 == 0 ? 0.03 : -0.03) * step;
       const AlignmentResult result =
-          aligner.align(keyframe, *target, {se3_exp(xi) * some_motion(), 0.0, 0.0});
+          aligner.align(keyframe, *target, {se3_exp(xi) * some_motion(), 0.0, 0.0, {}});
       found += pose_error(result.T_th, some_motion()).norm() < 5e-3 ? 1 : 0;
     }
   }

@@ -41,15 +41,19 @@ struct PlaneScene {
     }
     return nearest;
   }
-  /// T_th: host to this view.
-  void render(const Matrix4& T_th, Plane<float>& image, Plane<float>& D) const {
+  /// T_th: host to this view, of its middle row; row s (tracking/shutter.h) is seen from
+  /// exp(s sweep) T_th.
+  void render(const Matrix4& T_th,
+              Plane<float>& image,
+              Plane<float>& D,
+              const Vector6& sweep = Vector6::Zero()) const {
     const PinholeCamera K = camera();
-    const Matrix4 T_ht = se3_inverse(T_th);
-    const Matrix3 R = T_ht.topLeftCorner<3, 3>();
-    const Vector3 t = T_ht.topRightCorner<3, 1>();
     image.resize(width, height);
     D.resize(width, height);
     for (int v = 0; v < height; ++v) {
+      const Matrix4 T_ht = se3_inverse(se3_exp(((v + 0.5) / height - 0.5) * sweep) * T_th);
+      const Matrix3 R = T_ht.topLeftCorner<3, 3>();
+      const Vector3 t = T_ht.topRightCorner<3, 1>();
       for (int u = 0; u < width; ++u) {
         const Vector3 ray = R * Vector3((u - K.cx()) / K.fx(), (v - K.cy()) / K.fy(), 1.0);
         const double z = depth(t, ray);
@@ -58,9 +62,11 @@ struct PlaneScene {
       }
     }
   }
-  std::shared_ptr<Frame> frame(const Matrix4& T_th, double variance = 0.0) const {
+  std::shared_ptr<Frame> frame(const Matrix4& T_th,
+                               double variance = 0.0,
+                               const Vector6& sweep = Vector6::Zero()) const {
     Plane<float> image, D;
-    render(T_th, image, D);
+    render(T_th, image, D, sweep);
     return frame_of(image, D, variance);
   }
   /// Without depth when `variance` is zero.
