@@ -62,7 +62,7 @@ TYPED_TEST(CameraKinds, AgreeWithTheCameraClass) {
     RowMajor<2, 3> J_p;
     RowMajor<2, Camera::kNumParams> J_params;
     const bool projects = reprojection_residual<Camera>(P, params, uv, expected, &J_p, &J_params);
-    typename TypeParam::Kind::Projection p{};
+    typename TypeParam::Kind::template Projection<double> p{};
     ASSERT_EQ(project(kind, packet, P.data(), p), projects) << "state " << i;
     if (!projects) continue;
     ++num_projected;

@@ -45,7 +45,9 @@ struct Fixture {
   LandmarkFactor factor(std::size_t j, std::array<bool, 3> held, double scale = 2.0) const {
     const double* H = blocks[j].H;  // a damped step falls short of the minimum
     const double diagonal[3] = {scale * H[0], scale * H[3], scale * H[5]};
-    return factor_block(H, diagonal, held.data());
+    LandmarkFactor factor;
+    factor_block(H, diagonal, held.data(), factor.W);
+    return factor;
   }
 
   State state(const std::vector<double>& at) const {
@@ -74,7 +76,7 @@ struct Fixture {
   }
 
   TrialSums run(bool refine_points) {
-    std::vector<double> scratch(2 * layout.max_track_length());
+    std::vector<TrialScratch> scratch(layout.max_track_length());
     const TrialStep step{state(X),       cameras.packets(), {J.data(), nullptr}, blocks.data(),
                          factors.data(), delta.data(),      X_trial.data(),      refine_points};
     return try_landmarks(step, 0, layout.num_landmarks(), scratch.data());

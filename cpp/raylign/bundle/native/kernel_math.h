@@ -3,6 +3,7 @@
 #pragma once
 
 #include "raylign/base/clones.h"
+#include "raylign/base/double_lanes.h"
 #include "raylign/bundle/native/kernels.h"
 
 /// The inline pieces that the kernels' files share. No Eigen, nothing with external linkage: each
@@ -44,13 +45,15 @@ RAYLIGN_INLINE const typename Width::Vector& at(const double* values) {
   return *reinterpret_cast<const typename Width::Vector*>(values);
 }
 
-RAYLIGN_INLINE void cross(const double* a, const double* b, double* out) {
+template <typename T>
+RAYLIGN_INLINE void cross(const T* a, const T* b, T* out) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-RAYLIGN_INLINE double dot3(const double* a, const double* b) {
+template <typename T>
+RAYLIGN_INLINE T dot3(const T* a, const T* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -64,13 +67,15 @@ RAYLIGN_INLINE ObservationJacobian load(const Jacobians& J, std::int64_t q) {
 }
 
 // y = Wᵀ x and y = W x for the upper triangle W = (xx, xy, xz, yy, yz, zz).
-RAYLIGN_INLINE void multiply_transposed(const double* W, const double* x, double* y) {
+template <typename T>
+RAYLIGN_INLINE void multiply_transposed(const T* W, const T* x, T* y) {
   y[0] = W[0] * x[0];
   y[1] = W[1] * x[0] + W[3] * x[1];
   y[2] = W[2] * x[0] + W[4] * x[1] + W[5] * x[2];
 }
 
-RAYLIGN_INLINE void multiply(const double* W, const double* x, double* y) {
+template <typename T>
+RAYLIGN_INLINE void multiply(const T* W, const T* x, T* y) {
   y[0] = W[0] * x[0] + W[1] * x[1] + W[2] * x[2];
   y[1] = W[3] * x[1] + W[4] * x[2];
   y[2] = W[5] * x[2];

@@ -6,18 +6,13 @@
 #include <type_traits>
 
 #include "raylign/base/clones.h"
-#include "raylign/bundle/native/camera_kinds.h"
-#include "raylign/bundle/native/landmark_math.h"
-#include "raylign/bundle/native/point_kinds.h"
-
-// GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include "raylign/bundle/native/landmark_group.h"
 
 namespace raylign::native {
 namespace {
 
-// Stores J and rounds it; adds to the camera's gradient what rounding takes from Fᵀr, because a
-// gradient of rounded numbers vanishes elsewhere than the true one.
+// Rounds J of one observation; adds to the camera's gradient what rounding takes from Fᵀr, because
+// a gradient of rounded numbers vanishes elsewhere than the true one.
 template <typename Point>
 RAYLIGN_INLINE void store_rounded(Point kind,
                                   ObservationJacobian& J,
@@ -48,70 +43,147 @@ RAYLIGN_INLINE void store_rounded(Point kind,
   for (int k = 0; k < 3; ++k) g[6 + k] += lost_I[k] * r[0] + lost_I[3 + k] * r[1];
 }
 
-// F = [a × A | −w A | I] and r.
+// The four J of a step into the table, where there is one; `sight` holds them rounded after it.
 template <typename Point>
-RAYLIGN_INLINE void write_rows(Point kind,
-                               const ObservationJacobian& J,
-                               const double* X,
-                               const double* c,
-                               const double* r,
-                               CameraRows& rows) {
-  const double w = weight(kind, X);
-  double a[3];
-  ray(kind, X, c, a);
-  for (int row = 0; row < 2; ++row) {
-    double* f = rows.F[row];
-    const double* A = J.A + 3 * row;
-    cross(a, A, f);
-    for (int k = 0; k < 3; ++k) f[3 + k] = -w * A[k];
-    f[6] = J.I[3 * row];
-    f[7] = J.I[3 * row + 1];
-    rows.tail[row] = J.I[3 * row + 2];
-    rows.r[row] = r[row];
+RAYLIGN_INLINE void store_jacobians(Point kind,
+                                    const State& state,
+                                    const Group& group,
+                                    std::int64_t step,
+                                    const std::int64_t* q,
+                                    const LinearizationTables& out,
+                                    Sight& sight) {
+  if (out.J.exact == nullptr && out.J.rounded == nullptr) return;
+  ObservationJacobian J[4];
+  double* rows[4];
+  for (int lane = 0; lane < 4; ++lane) {
+    const bool is_kept = out.J.rounded == nullptr && group.has(lane, step);
+    rows[lane] = reinterpret_cast<double*>(is_kept ? out.J.exact + q[lane] : J + lane);
+  }
+  D4 numbers[12];
+  for (int k = 0; k < 6; ++k) numbers[k] = sight.J.A[k];
+  for (int k = 0; k < 6; ++k) numbers[6 + k] = sight.J.I[k];
+  scatter<12>(numbers, rows);
+  if (out.J.rounded == nullptr) return;
+  for (int lane = 0; lane < 4; ++lane) {
+    if (!group.has(lane, step)) continue;
+    const std::int32_t i = state.observations.camera[q[lane]];
+    const double r[2] = {sight.r[0][lane], sight.r[1][lane]};
+    store_rounded(kind, J[lane], state.X + std::int64_t{Point::kStride} * group.landmark[lane],
+                  state.packets[i].c, r, out.J.rounded[q[lane]],
+                  out.cameras[i - out.first_camera].g);
+    for (int k = 0; k < 6; ++k) sight.J.A[k][lane] = J[lane].A[k];
+    for (int k = 0; k < 6; ++k) sight.J.I[k][lane] = J[lane].I[k];
   }
 }
 
-// One landmark: J, H, g, and F for the cameras. Adds to the cost; false when there is none.
-template <typename Point, typename Camera>
-RAYLIGN_INLINE bool linearize_landmark(Point kind,
-                                       Camera camera_kind,
-                                       const State& state,
-                                       std::int64_t j,
-                                       const LinearizationTables& out,
-                                       CameraRows* rows,
-                                       double& cost) {
-  const Observations& observations = state.observations;
-  const double* X_j = state.X + std::int64_t{Point::kStride} * j;
-  const Householder H = tangent_at(kind, X_j);
-  LandmarkBlock block = {};
-  for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
-    const std::int32_t i = observations.camera[q];
-    const CameraPacket& camera = state.packets[i];
-    double P[3];
-    transform(kind, camera, X_j, P);
-    typename Camera::Projection p;
-    if (!project(camera_kind, camera, P, p)) return false;
-    double r[2];
-    residual(camera_kind, camera, p, observations.uv + 2 * q, r);
-    ObservationJacobian J_q;
-    jacobian(camera_kind, camera, p, J_q);
-    const double s = r[0] * r[0] + r[1] * r[1];
-    cost += state.loss == nullptr ? s : apply_loss(*state.loss, s, J_q, r);
-    double E[6];
-    point_rows(kind, H, J_q.A, camera.c, E);
-    add_gradient(E, r, block);
-    if (out.J.rounded == nullptr) {
-      out.J.exact[q] = J_q;
-    } else {
-      double* g = out.cameras[i - out.first_camera].g;
-      store_rounded(kind, J_q, X_j, camera.c, r, out.J.rounded[q], g);
-      point_rows(kind, H, J_q.A, camera.c, E);
-    }
-    add_hessian(E, block);
-    write_rows(kind, J_q, X_j, camera.c, r, *rows++);
+// F = [a × A | −w A | I] and r of four observations, into the rows of a window that begins at
+// `first`.
+template <typename Point>
+RAYLIGN_INLINE void write_rows(Point kind,
+                               const Group& group,
+                               std::int64_t step,
+                               const std::int64_t* q,
+                               const CameraLanes& camera,
+                               const D4* X,
+                               const Sight& sight,
+                               std::int64_t first,
+                               CameraRows* rows) {
+  const D4 w = weight(kind, X);
+  D4 a[3];
+  ray(kind, X, camera.c, a);
+  D4 numbers[20];
+  for (int row = 0; row < 2; ++row) {
+    D4* f = numbers + 8 * row;
+    const D4* A = sight.J.A + 3 * row;
+    const D4* I = sight.J.I + 3 * row;
+    cross(a, A, f);
+    for (int k = 0; k < 3; ++k) f[3 + k] = -w * A[k];
+    f[6] = I[0];
+    f[7] = I[1];
+    numbers[16 + row] = I[2];
+    numbers[18 + row] = sight.r[row];
   }
-  out.blocks[j] = block;
-  return true;
+  CameraRows unused;
+  double* out[4];
+  for (int lane = 0; lane < 4; ++lane) {
+    out[lane] = (group.has(lane, step) ? rows + (q[lane] - first) : &unused)->F[0];
+  }
+  scatter<20>(numbers, out);
+}
+
+// Four landmarks: J, H, g, and F for the cameras. Adds to the cost: NaN when a point lies in a
+// camera's plane.
+template <typename Point, typename Camera>
+RAYLIGN_INLINE void linearize_group(Point kind,
+                                    Camera camera_kind,
+                                    const State& state,
+                                    const Group& group,
+                                    const LinearizationTables& out,
+                                    std::int64_t first,
+                                    D4& cost) {
+  D4 X[Point::kStride];
+  gather_points(kind, group, state.X, X);
+  const auto H = tangent_at(kind, X);
+  LandmarkBlockOf<D4> block = {};
+  for (std::int64_t step = 0; step < group.longest; ++step) {
+    std::int64_t q[4];
+    observations_at(group, step, q);
+    CameraLanes camera;
+    gather_cameras(camera_kind, state.packets, state.observations.camera, q, camera);
+    Sight sight;
+    look<true>(kind, camera_kind, state, group, step, q, camera, X, sight);
+    cost += sight.rho;
+    D4 E[6];
+    point_rows(kind, H, sight.J.A, camera.c, E);
+    add_gradient(E, sight.r, block);
+    store_jacobians(kind, state, group, step, q, out, sight);
+    point_rows(kind, H, sight.J.A, camera.c, E);
+    add_hessian(E, block);
+    write_rows(kind, group, step, q, camera, X, sight, first, out.scratch);
+  }
+  D4 numbers[9];
+  for (int k = 0; k < 6; ++k) numbers[k] = block.H[k];
+  for (int k = 0; k < 3; ++k) numbers[6 + k] = block.g[k];
+  scatter_records<9>(group, numbers, out.blocks);
+}
+
+template <typename Point, typename Camera>
+RAYLIGN_INLINE double linearize_groups(
+    Point kind, Camera camera_kind, const State& state, std::int64_t w, LinearizationTables out) {
+  const Observations& observations = state.observations;
+  const std::int64_t end = observations.windows[w + 1];
+  const std::int64_t first = observations.starts[observations.windows[w]];
+  D4 cost = {};
+  for (auto j = observations.windows[w]; j < end; j += 4) {
+    linearize_group(kind, camera_kind, state, group_at(observations, j, end), out, first, cost);
+  }
+  return sum_of(cost);
+}
+
+// The one switch over cameras.
+template <typename Point>
+RAYLIGN_INLINE double linearize_cameras(Point kind,
+                                        const State& state,
+                                        std::int64_t w,
+                                        const LinearizationTables& out) {
+  switch (state.observations.camera_kind) {
+    case CameraKind::PINHOLE:
+      return linearize_groups(kind, PinholeKind{}, state, w, out);
+    case CameraKind::RADTAN:
+      return linearize_groups(kind, RadtanKind{}, state, w, out);
+    case CameraKind::BAL:
+      break;
+  }
+  return linearize_groups(kind, BalKind{}, state, w, out);
+}
+
+// The landmarks of window w; Σ ρ(‖r‖²). By value: in registers, where no store through a vector
+// can be thought to change them.
+RAYLIGN_CLONES double linearize_window(State state, std::int64_t w, LinearizationTables out) {
+  if (state.observations.point_kind == PointKind::HOMOGENEOUS) {
+    return linearize_cameras(HomogeneousPoint{}, state, w, out);
+  }
+  return linearize_cameras(XyzPoint{}, state, w, out);
 }
 
 // Rows [kFirst, kLast) < 8 of U += Σ FᵀF, columns 0 … 7, and with kEdge the ninth row, which is
@@ -177,75 +249,59 @@ RAYLIGN_INLINE void add_camera(const CameraRows* rows,
   }
 }
 
-template <typename Width, typename Point, typename Camera>
-RAYLIGN_INLINE double linearize_windows(Point kind,
-                                        Camera camera_kind,
-                                        const State& state,
-                                        std::int64_t begin,
-                                        std::int64_t end,
-                                        const LinearizationTables& out) {
-  const Observations& observations = state.observations;
+// By value, as above.
+template <typename Width>
+RAYLIGN_INLINE void add_cameras(Observations observations,
+                                std::int64_t w,
+                                LinearizationTables out) {
+  const std::int32_t* places = observations.places + observations.starts[observations.windows[w]];
+  std::int32_t visited = 0;
+  for (auto v = observations.window_visits[w]; v < observations.window_visits[w + 1]; ++v) {
+    const CameraVisit& visit = observations.visits[v];
+    add_camera<Width>(out.scratch, places + visited, places + visit.end,
+                      out.cameras[visit.camera - out.first_camera]);
+    visited = visit.end;
+  }
+}
+
+RAYLIGN_CLONES void add_cameras_narrow(const Observations& observations,
+                                       std::int64_t w,
+                                       const LinearizationTables& out) {
+  add_cameras<Four>(observations, w, out);
+}
+
+RAYLIGN_AVX512 void add_cameras_wide(const Observations& observations,
+                                     std::int64_t w,
+                                     const LinearizationTables& out) {
+  add_cameras<Eight>(observations, w, out);
+}
+
+template <typename AddCameras>
+double linearize_by(AddCameras* add_cameras_of,
+                    const State& state,
+                    std::int64_t begin,
+                    std::int64_t end,
+                    const LinearizationTables& out) {
   double cost = 0.0;
   for (std::int64_t w = begin; w < end; ++w) {
-    const std::int64_t first = observations.starts[observations.windows[w]];
-    for (auto j = observations.windows[w]; j < observations.windows[w + 1]; ++j) {
-      CameraRows* rows = out.scratch + (observations.starts[j] - first);
-      if (!linearize_landmark(kind, camera_kind, state, j, out, rows, cost)) return NAN;
-    }
-    const std::int32_t* places = observations.places + first;
-    std::int32_t visited = 0;
-    for (auto v = observations.window_visits[w]; v < observations.window_visits[w + 1]; ++v) {
-      const CameraVisit& visit = observations.visits[v];
-      add_camera<Width>(out.scratch, places + visited, places + visit.end,
-                        out.cameras[visit.camera - out.first_camera]);
-      visited = visit.end;
-    }
+    cost += linearize_window(state, w, out);
+    add_cameras_of(state.observations, w, out);
   }
   return 0.5 * cost;
 }
 
-// The one switch over cameras.
-template <typename Width, typename Point>
-RAYLIGN_INLINE double linearize_points(Point kind,
-                                       const State& state,
-                                       std::int64_t begin,
-                                       std::int64_t end,
-                                       const LinearizationTables& out) {
-  switch (state.observations.camera_kind) {
-    case CameraKind::PINHOLE:
-      return linearize_windows<Width>(kind, PinholeKind{}, state, begin, end, out);
-    case CameraKind::RADTAN:
-      return linearize_windows<Width>(kind, RadtanKind{}, state, begin, end, out);
-    case CameraKind::BAL:
-      break;
-  }
-  return linearize_windows<Width>(kind, BalKind{}, state, begin, end, out);
+double narrow_body(const State& state,
+                   std::int64_t begin,
+                   std::int64_t end,
+                   const LinearizationTables& out) {
+  return linearize_by(add_cameras_narrow, state, begin, end, out);
 }
 
-// By value: in registers, where no store through a vector can be thought to change them.
-template <typename Width>
-RAYLIGN_INLINE double linearize_any(State state,
-                                    std::int64_t begin,
-                                    std::int64_t end,
-                                    LinearizationTables out) {
-  if (state.observations.point_kind == PointKind::HOMOGENEOUS) {
-    return linearize_points<Width>(HomogeneousPoint{}, state, begin, end, out);
-  }
-  return linearize_points<Width>(XyzPoint{}, state, begin, end, out);
-}
-
-RAYLIGN_CLONES double narrow_body(const State& state,
-                                  std::int64_t begin,
-                                  std::int64_t end,
-                                  const LinearizationTables& out) {
-  return linearize_any<Four>(state, begin, end, out);
-}
-
-RAYLIGN_AVX512 double wide_body(const State& state,
-                                std::int64_t begin,
-                                std::int64_t end,
-                                const LinearizationTables& out) {
-  return linearize_any<Eight>(state, begin, end, out);
+double wide_body(const State& state,
+                 std::int64_t begin,
+                 std::int64_t end,
+                 const LinearizationTables& out) {
+  return linearize_by(add_cameras_wide, state, begin, end, out);
 }
 
 }  // namespace

@@ -37,11 +37,14 @@ struct CameraPacket {
   std::int32_t columns[3];    ///< parameter of each column of I, −1: none; BAL has 0, 1, 2
 };
 
-/// What one observation contributes to J; by rows.
-struct ObservationJacobian {
-  double A[6];
-  double I[6];
+/// What one observation contributes to J; by rows. Numbers are double, or one for each of several
+/// observations.
+template <typename T>
+struct JacobianOf {
+  T A[6];
+  T I[6];
 };
+using ObservationJacobian = JacobianOf<double>;
 
 /// The same rounded once, in half the memory; everything but the gradient is made of the rounded
 /// numbers, in double, so that S stays positive semidefinite and keeps its gauge directions.
@@ -50,23 +53,29 @@ struct RoundedJacobian {
   float I[6];
 };
 
-/// J of all observations: in `rounded`, or in `exact` where that is null.
+/// J of all observations: in `rounded`, or in `exact` where that is null; where both are, J is
+/// computed again wherever it is needed, which takes the same time and no memory (least squares
+/// only: it has no weights).
 struct Jacobians {
   ObservationJacobian* exact;
   RoundedJacobian* rounded;
 };
 
 /// H = Σ EᵀE as (xx, xy, xz, yy, yz, zz) and g = Σ Eᵀr of a landmark.
-struct LandmarkBlock {
-  double H[6];
-  double g[3];
+template <typename T>
+struct LandmarkBlockOf {
+  T H[6];
+  T g[3];
 };
+using LandmarkBlock = LandmarkBlockOf<double>;
 
 /// The upper triangle of W = L⁻ᵀ, L Lᵀ = H + λD, as (xx, xy, xz, yy, yz, zz); row and column of a
 /// held coordinate are zero, and all of it when there is no factor.
-struct LandmarkFactor {
-  double W[6];
+template <typename T>
+struct LandmarkFactorOf {
+  T W[6];
 };
+using LandmarkFactor = LandmarkFactorOf<double>;
 
 /// H and g of a camera in the canonical tangent.
 struct CameraSums {

@@ -81,35 +81,42 @@ Layout::Layout(const BundleScene& scene, PointKind kind)
   const auto ordered = sorted_by(by_highest, scene.num_cameras(),
                                  [&](std::int32_t k) { return cameras[by_point[k]]; });
 
-  starts.reserve(ordered.size() + 1);
-  points.reserve(ordered.size());
+  // first positions in the landmarks' order; `starts` knows their lengths from here on
+  std::vector<std::int32_t> order(ordered.begin(), ordered.end());
+  starts.reserve(order.size() + 1);
+  starts.push_back(0);
+  for (const std::int32_t first : order) {
+    auto k = first;
+    while (k < num_observations && point_of[by_point[k]] == point_of[by_point[first]]) ++k;
+    starts.push_back(starts.back() + k - first);
+  }
+  cut_chunks();
+  cut_windows();
+  sort_by_length(order);
+
+  points.reserve(order.size());
   camera.reserve(by_point.size());
   uv.reserve(2 * by_point.size());
   observed.assign(scene.num_cameras(), false);
-  starts.push_back(0);
-  for (const std::int32_t first : ordered) {
-    const std::int32_t point = point_of[by_point[first]];
-    points.push_back(point);
-    for (auto k = first; k < num_observations && point_of[by_point[k]] == point; ++k) {
+  for (std::size_t j = 0; j < order.size(); ++j) {
+    points.push_back(point_of[by_point[order[j]]]);
+    for (auto k = order[j]; k < order[j] + starts[j + 1] - starts[j]; ++k) {
       const std::int32_t i = by_point[k];
       camera.push_back(cameras[i]);
       uv.push_back(scene.observations(i, 0));
       uv.push_back(scene.observations(i, 1));
       observed[cameras[i]] = true;
     }
-    starts.push_back(static_cast<std::int64_t>(camera.size()));
   }
-
-  cut_chunks();
-  cut_windows();
   sort_windows();
 }
 
 void Layout::cut_chunks() {
+  const std::int64_t count = starts.back();
   const std::int64_t num_chunks =
-      std::clamp<std::int64_t>(num_observations() / kMinObservationsPerChunk, 1, kMaxChunks);
+      std::clamp<std::int64_t>(count / kMinObservationsPerChunk, 1, kMaxChunks);
   for (std::int64_t g = 0; g <= num_chunks; ++g) {
-    const std::int64_t target = num_observations() * g / num_chunks;
+    const std::int64_t target = count * g / num_chunks;
     chunks.push_back(std::lower_bound(starts.begin(), starts.end(), target) - starts.begin());
   }
 }
@@ -125,7 +132,26 @@ void Layout::cut_windows() {
     }
   }
   chunk_windows.push_back(static_cast<std::int32_t>(windows.size()));
-  windows.push_back(num_landmarks());
+  windows.push_back(static_cast<std::int64_t>(starts.size()) - 1);
+}
+
+// `order` and `starts` of each window, the longest tracks first, equal ones in their order.
+void Layout::sort_by_length(std::vector<std::int32_t>& order) {
+  std::vector<std::pair<std::int64_t, std::int32_t>> tracks;  // length, first position
+  for (int w = 0; w < num_windows(); ++w) {
+    tracks.clear();
+    for (auto j = windows[w]; j < windows[w + 1]; ++j) {
+      tracks.emplace_back(starts[j + 1] - starts[j], order[j]);
+    }
+    std::stable_sort(tracks.begin(), tracks.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    auto j = windows[w];
+    for (const auto& [length, first] : tracks) {
+      order[j] = first;
+      starts[j + 1] = starts[j] + length;
+      ++j;
+    }
+  }
 }
 
 void Layout::sort_windows() {

@@ -13,7 +13,8 @@ namespace raylign::native {
 
 /// The observations of a problem, landmark by landmark: what every pass over the data walks along.
 /// A landmark is a point that somebody sees. Landmarks are sorted by their lowest camera, then by
-/// their highest, so that neighbours touch the same cameras; the observations of one by camera.
+/// their highest, so that neighbours touch the same cameras, and within a window by the number of
+/// their observations, the longest first; the observations of one by camera.
 struct Layout {
   explicit Layout(const BundleScene& scene, PointKind kind = PointKind::XYZ);
 
@@ -67,6 +68,7 @@ struct Layout {
  private:
   void cut_chunks();
   void cut_windows();
+  void sort_by_length(std::vector<std::int32_t>& order);
   void sort_windows();
 };
 

@@ -22,7 +22,7 @@ RAYLIGN_INLINE void multiply_points(Point kind,
     const std::int64_t last = observations.starts[j + 1];
     const double* X_j = problem.X + std::int64_t{Point::kStride} * j;
     const double weight_j = weight(kind, X_j);
-    const Householder H = tangent_at(kind, X_j);
+    const auto H = tangent_at(kind, X_j);
     double s[3] = {};  // Σ Eᵀ F x
     for (std::int64_t q = first; q < last; ++q) {
       const ObservationJacobian J = load(problem.J, q);

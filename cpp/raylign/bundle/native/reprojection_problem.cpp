@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "raylign/bundle/native/landmark_math.h"
+#include "raylign/bundle/native/landmark_kernels.h"
 #include "raylign/bundle/native/make_solver.h"
 #include "raylign/bundle/native/trial_kernels.h"
 
@@ -63,7 +63,7 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
   camera_sums_.resize(layout_.num_cameras);
   chunk_states_.resize(num_chunks);
   chunk_trials_.resize(num_chunks);
-  chunk_scratch_.assign(num_chunks, std::vector<double>(2 * layout_.max_track_length()));
+  chunk_scratch_.assign(num_chunks, Table<TrialScratch>(layout_.max_track_length()));
   chunk_rows_.assign(num_chunks, Table<CameraRows>(layout_.max_window()));
   const auto columns = static_cast<std::size_t>(cameras_.num_columns());
   for (auto* table : {&camera_gradient_, &camera_diagonal_, &camera_scales_, &damping_, &delta_}) {
@@ -120,13 +120,8 @@ void ReprojectionProblem::linearize_chunk(int g) {
                                    chunk_first_camera_[g], chunk_rows_[g].data()};
   state.cost = native::linearize(this->state(), layout_.chunk_windows[g],
                                  layout_.chunk_windows[g + 1], tables);
-  state.gradient_max_norm = 0.0;
-  for (std::int64_t j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
-    for (int k = 0; k < 3; ++k) {
-      if (is_held(j, k)) continue;
-      state.gradient_max_norm = larger(state.gradient_max_norm, landmark_blocks_[j].g[k]);
-    }
-  }
+  state.gradient_max_norm = largest_gradient(landmark_blocks_.data(), held_points(),
+                                             layout_.chunks[g], layout_.chunks[g + 1]);
 }
 
 // Adds up the chunks; max |gradient| of the cameras.
@@ -183,24 +178,12 @@ void ReprojectionProblem::set_damping(double lambda) {
   for (std::size_t a = 0; a < damping_.size(); ++a) {
     damping_[a] = lambda * lm_damping(camera_diagonal_[a], camera_scales_[a], options_.lm);
   }
+  const LandmarkDamping damping{lambda, options_.lm.min_diagonal, options_.lm.max_diagonal,
+                                landmark_scales_.data(), held_points()};
   pool_.run(layout_.num_chunks(), [&](int g) {
-    for (std::int64_t j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
-      landmark_factors_[j] = factor_landmark(j, lambda);
-    }
+    factor_landmarks(landmark_blocks_.data(), damping, layout_.chunks[g], layout_.chunks[g + 1],
+                     landmark_factors_.data());
   });
-}
-
-LandmarkFactor ReprojectionProblem::factor_landmark(std::int64_t landmark, double lambda) const {
-  const double* scales = landmark_scales_.data() + 3 * landmark;
-  const double* H = landmark_blocks_[landmark].H;
-  double diagonal[3];
-  bool held[3];
-  for (int k = 0; k < 3; ++k) {
-    const double h = H[kDiagonal[k]];
-    diagonal[k] = h + lambda * lm_damping(h, scales[k], options_.lm);
-    held[k] = is_held(landmark, k);
-  }
-  return factor_block(H, diagonal, held);
 }
 
 DampedProblem ReprojectionProblem::damped(double lambda) {

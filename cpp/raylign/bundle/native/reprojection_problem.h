@@ -58,7 +58,7 @@ class ReprojectionProblem {
     const Loss* loss = options_.loss.type == LossType::TRIVIAL ? nullptr : &options_.loss;
     return {layout_.observations(), cameras_.packets(), X_.data(), loss};
   }
-  bool is_held(std::int64_t landmark, int k) const { return !held_.empty() && held_[landmark][k]; }
+  const CoordinateMask* held_points() const { return held_.empty() ? nullptr : held_.data(); }
 
   int point_size() const { return layout_.point_kind == PointKind::HOMOGENEOUS ? 4 : 3; }
   void load_points(const BundleScene& scene);
@@ -72,7 +72,6 @@ class ReprojectionProblem {
   void sum_camera(int i);
   void set_scales();
   void set_damping(double lambda);
-  LandmarkFactor factor_landmark(std::int64_t landmark, double lambda) const;
   void set_canonical_step();
   double camera_gradient_step() const;
 
@@ -94,7 +93,7 @@ class ReprojectionProblem {
   std::vector<LmState> chunk_states_;
   std::vector<CameraSums> camera_sums_;
   std::vector<TrialSums> chunk_trials_;
-  std::vector<std::vector<double>> chunk_scratch_;
+  std::vector<Table<TrialScratch>> chunk_scratch_;
   std::vector<Table<CameraRows>> chunk_rows_;
 
   std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns

@@ -4,45 +4,40 @@
 
 #include <type_traits>
 
-#include "raylign/bundle/native/point_kinds.h"
-
-// GCC 12 takes filling a vector lane by lane, where the machine has none so wide, for a read.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include "raylign/bundle/native/landmark_group.h"
 
 namespace raylign::native {
 namespace {
 
-// Zᵀ = (E W)ᵀ F; F = [a × A | −w A | I] stays in registers.
+// Zᵀ = (E W)ᵀ F, F = [a × A | −w A | I], of four observations.
 template <typename Point>
 RAYLIGN_INLINE void eliminate(Point kind,
-                              const Householder& H,
-                              const ObservationJacobian& J,
-                              const double* W,
-                              const double* X,
-                              const double* c,
-                              Elimination& out) {
-  const double w = weight(kind, X);
-  double a[3];
+                              const Householder<D4>& H,
+                              const JacobianOf<D4>& J,
+                              const D4* W,
+                              const D4* X,
+                              const D4* c,
+                              double* const* out) {
+  const D4 w = weight(kind, X);
+  D4 a[3];
   ray(kind, X, c, a);
-  double point[6];
+  D4 point[6];
   point_rows(kind, H, J.A, c, point);
-  double E[2][3];
-  Four::Vector left[2];
-  Four::Vector right[2];
+  D4 E[2][3];
+  D4 F[2][9];
   for (int row = 0; row < 2; ++row) {
-    const double* A = J.A + 3 * row;
-    const double* I = J.I + 3 * row;
     multiply_transposed(W, point + 3 * row, E[row]);
-    left[row] = Four::Vector{a[1] * A[2] - a[2] * A[1], a[2] * A[0] - a[0] * A[2],
-                             a[0] * A[1] - a[1] * A[0], -w * A[0]};
-    right[row] = Four::Vector{-w * A[1], -w * A[2], I[0], I[1]};
+    cross(a, J.A + 3 * row, F[row]);
+    for (int k = 0; k < 3; ++k) F[row][3 + k] = -w * J.A[3 * row + k];
+    for (int k = 0; k < 3; ++k) F[row][6 + k] = J.I[3 * row + k];
   }
+  D4 numbers[28];
   for (int m = 0; m < 3; ++m) {
-    at<Four>(out.Z[m]) = E[0][m] * left[0] + E[1][m] * left[1];
-    at<Four>(out.Z[m] + 4) = E[0][m] * right[0] + E[1][m] * right[1];
-    out.tail[m] = E[0][m] * J.I[2] + E[1][m] * J.I[5];
+    for (int k = 0; k < 8; ++k) numbers[8 * m + k] = E[0][m] * F[0][k] + E[1][m] * F[1][k];
+    numbers[24 + m] = E[0][m] * F[0][8] + E[1][m] * F[1][8];
   }
-  out.tail[3] = 0.0;
+  numbers[27] = D4{};
+  scatter<28>(numbers, out);
 }
 
 // rhs += Z y.
@@ -157,65 +152,130 @@ RAYLIGN_INLINE void subtract_track(const std::int32_t* track,
   }
 }
 
-// Z of a window's observations by cameras from the first row on; the right-hand side of the rows.
-template <typename Point>
-RAYLIGN_INLINE void eliminate_landmark(Point kind,
-                                       const DampedProblem& problem,
-                                       std::int64_t j,
-                                       RowRange rows,
-                                       const SchurBlocks& S,
-                                       Elimination* Z) {
-  const std::int64_t first = problem.observations.starts[j];
-  const std::int64_t length = problem.observations.starts[j + 1] - first;
-  const std::int32_t* track = problem.observations.camera + first;
-  if (track[0] >= rows.end || track[length - 1] < rows.begin) return;
-  const double* X_j = problem.X + std::int64_t{Point::kStride} * j;
-  const Householder H = tangent_at(kind, X_j);
-  const double* W = problem.factors[j].W;
-  double y[3];
-  multiply_transposed(W, problem.landmarks[j].g, y);
-  for (std::int64_t a = 0; a < length; ++a) {
-    const std::int32_t i = track[a];
-    if (i < rows.begin || S.active[i] == 0) continue;
-    eliminate(kind, H, load(problem.J, first + a), W, X_j, problem.packets[i].c, Z[a]);
-    if (i < rows.end) add_rhs(Z[a], y, S.rhs + std::int64_t{i} * kRow);
+// Z of the observations of four landmarks by cameras from the first row on, into the scratch of a
+// window that begins at `first`; the right-hand side of the rows.
+template <typename Point, typename Camera>
+RAYLIGN_INLINE void eliminate_group(Point kind,
+                                    Camera camera_kind,
+                                    const DampedProblem& problem,
+                                    const Group& group,
+                                    RowRange rows,
+                                    const SchurBlocks& S,
+                                    std::int64_t first,
+                                    Elimination* Z) {
+  const std::int32_t* cameras = problem.observations.camera;
+  D4 X[Point::kStride];
+  gather_points(kind, group, problem.X, X);
+  const auto H = tangent_at(kind, X);
+  D4 W[6];
+  gather_records<6>(group, problem.factors, W);
+  D4 block[9];
+  gather_records<9>(group, problem.landmarks, block);
+  D4 y[3];
+  multiply_transposed(W, block + 6, y);
+  for (std::int64_t step = 0; step < group.longest; ++step) {
+    std::int64_t q[4];
+    observations_at(group, step, q);
+    Elimination unused;
+    Elimination* out[4];
+    double* records[4];
+    bool is_used = false;
+    for (int lane = 0; lane < 4; ++lane) {
+      const std::int32_t i = cameras[q[lane]];
+      const bool has_row = group.has(lane, step) && i >= rows.begin && S.active[i] != 0;
+      is_used = is_used || has_row;
+      out[lane] = has_row ? Z + (q[lane] - first) : &unused;
+      records[lane] = out[lane]->Z[0];
+    }
+    if (!is_used) continue;
+    CameraLanes camera;
+    gather_cameras(camera_kind, problem.packets, cameras, q, camera);
+    JacobianOf<D4> J;
+    jacobians_at(kind, camera_kind, problem.J, q, camera, X, J);
+    eliminate(kind, H, J, W, X, camera.c, records);
+    for (int lane = 0; lane < 4; ++lane) {
+      const std::int32_t i = cameras[q[lane]];
+      if (out[lane] == &unused || i >= rows.end) continue;
+      const double y_lane[3] = {y[0][lane], y[1][lane], y[2][lane]};
+      add_rhs(*out[lane], y_lane, S.rhs + std::int64_t{i} * kRow);
+    }
   }
 }
 
-template <typename Width, typename Point>
-RAYLIGN_INLINE void subtract_windows(Point kind,
-                                     const DampedProblem& problem,
-                                     const ProductWindows& plan,
+// Whether a landmark of the group has products in the rows.
+RAYLIGN_INLINE bool touches(const Observations& observations, const Group& group, RowRange rows) {
+  for (int lane = 0; lane < 4; ++lane) {
+    if (observations.camera[group.first[lane]] < rows.end &&
+        observations.camera[group.last[lane]] >= rows.begin) {
+      return true;
+    }
+  }
+  return false;
+}
+
+template <typename Point, typename Camera>
+RAYLIGN_INLINE void eliminate_landmarks(Point kind,
+                                        Camera camera_kind,
+                                        const DampedProblem& problem,
+                                        const ProductWindow& window,
+                                        RowRange rows,
+                                        const SchurBlocks& S,
+                                        Elimination* Z) {
+  const std::int64_t first = problem.observations.starts[window.landmark_begin];
+  for (auto j = window.landmark_begin; j < window.landmark_end; j += 4) {
+    const Group group = group_at(problem.observations, j, window.landmark_end);
+    if (!touches(problem.observations, group, rows)) continue;
+    eliminate_group(kind, camera_kind, problem, group, rows, S, first, Z);
+  }
+}
+
+// The one switch over cameras.
+template <typename Point>
+RAYLIGN_INLINE void eliminate_cameras(Point kind,
+                                      const DampedProblem& problem,
+                                      const ProductWindow& window,
+                                      RowRange rows,
+                                      const SchurBlocks& S,
+                                      Elimination* Z) {
+  switch (problem.observations.camera_kind) {
+    case CameraKind::PINHOLE:
+      return eliminate_landmarks(kind, PinholeKind{}, problem, window, rows, S, Z);
+    case CameraKind::RADTAN:
+      return eliminate_landmarks(kind, RadtanKind{}, problem, window, rows, S, Z);
+    case CameraKind::BAL:
+      break;
+  }
+  eliminate_landmarks(kind, BalKind{}, problem, window, rows, S, Z);
+}
+
+// By value: in registers, where no store through a vector can be thought to change them.
+RAYLIGN_CLONES void eliminate_window(
+    DampedProblem problem, ProductWindow window, RowRange rows, SchurBlocks S, Elimination* Z) {
+  if (problem.observations.point_kind == PointKind::HOMOGENEOUS) {
+    eliminate_cameras(HomogeneousPoint{}, problem, window, rows, S, Z);
+  } else {
+    eliminate_cameras(XyzPoint{}, problem, window, rows, S, Z);
+  }
+}
+
+// By value, as above.
+template <typename Width>
+RAYLIGN_INLINE void subtract_windows(DampedProblem problem,
+                                     ProductWindows plan,
                                      RowRange rows,
-                                     const SchurBlocks& S,
+                                     SchurBlocks S,
                                      Elimination* scratch) {
   const Observations& observations = problem.observations;
   for (std::int64_t w = 0; w < plan.count; ++w) {
     const ProductWindow& window = plan.windows[w];
-    const std::int64_t first = observations.starts[window.landmark_begin];
-    for (auto j = window.landmark_begin; j < window.landmark_end; ++j) {
-      eliminate_landmark(kind, problem, j, rows, S, scratch + (observations.starts[j] - first));
-    }
+    eliminate_window(problem, window, rows, S, scratch);
     if (window.is_planned) {
       subtract_visits<Width>(plan, window, rows, S, scratch);
     } else {
+      const std::int64_t first = observations.starts[window.landmark_begin];
       const std::int64_t length = observations.starts[window.landmark_end] - first;
       subtract_track<Width>(observations.camera + first, length, rows, S, scratch);
     }
-  }
-}
-
-// By value: in registers, where no store through a vector can be thought to change them.
-template <typename Width>
-RAYLIGN_INLINE void subtract_any(DampedProblem problem,
-                                 ProductWindows plan,
-                                 RowRange rows,
-                                 SchurBlocks S,
-                                 Elimination* scratch) {
-  if (problem.observations.point_kind == PointKind::HOMOGENEOUS) {
-    subtract_windows<Width>(HomogeneousPoint{}, problem, plan, rows, S, scratch);
-  } else {
-    subtract_windows<Width>(XyzPoint{}, problem, plan, rows, S, scratch);
   }
 }
 
@@ -224,7 +284,7 @@ RAYLIGN_CLONES void subtract_narrow(const DampedProblem& problem,
                                     RowRange rows,
                                     const SchurBlocks& S,
                                     Elimination* scratch) {
-  subtract_any<Four>(problem, plan, rows, S, scratch);
+  subtract_windows<Four>(problem, plan, rows, S, scratch);
 }
 
 RAYLIGN_AVX512 void subtract_wide(const DampedProblem& problem,
@@ -232,7 +292,7 @@ RAYLIGN_AVX512 void subtract_wide(const DampedProblem& problem,
                                   RowRange rows,
                                   const SchurBlocks& S,
                                   Elimination* scratch) {
-  subtract_any<Eight>(problem, plan, rows, S, scratch);
+  subtract_windows<Eight>(problem, plan, rows, S, scratch);
 }
 
 }  // namespace

@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/bundle/native/trial_kernels.h"
 
-#include <cmath>
-
 #include "raylign/base/clones.h"
-#include "raylign/bundle/native/camera_kinds.h"
-#include "raylign/bundle/native/landmark_math.h"
-#include "raylign/bundle/native/point_kinds.h"
+#include "raylign/bundle/native/landmark_group.h"
 
 namespace raylign::native {
 namespace {
@@ -17,157 +13,267 @@ constexpr int kMaxRefinements = 3;
 // A point is worth another one that promises to lower its cost by this share.
 constexpr double kWorthwhile = 1e-3;
 
-// A point as its observations see it from given cameras.
+// Four points as their observations see them from given cameras.
 struct PointView {
-  double cost = 0.0;            // ½ Σ ρ(‖r‖²), NaN when it lies in a camera's plane
-  std::int64_t num_behind = 0;  // cameras that it does not lie in front of
-  LandmarkBlock block = {};
+  D4 cost;    // ½ Σ ρ(‖r‖²), NaN when it lies in a camera's plane
+  D4 behind;  // how many cameras it does not lie in front of
+  LandmarkBlockOf<D4> block;
 };
-
-// A homogeneous point beyond infinity is an ordinary point.
-template <typename Projection>
-RAYLIGN_INLINE bool is_in_front(XyzPoint /*kind*/, const Projection& p) {
-  return p.w > 0.0;
-}
-template <typename Projection>
-RAYLIGN_INLINE bool is_in_front(HomogeneousPoint /*kind*/, const Projection& /*p*/) {
-  return true;
-}
 
 // Far from its model a step may be of any length: a point moves no farther than its distance from
 // the first camera. (A step on the sphere has no such freedom.)
-RAYLIGN_INLINE void shorten(XyzPoint kind, const double* X, const double* c, double* step) {
-  double a[3];
+RAYLIGN_INLINE void shorten(XyzPoint kind, const D4* X, const D4* c, D4* step) {
+  D4 a[3];
   ray(kind, X, c, a);
-  const double ratio2 = dot3(step, step) / dot3(a, a);
-  if (!(ratio2 > 1.0)) return;
-  for (int k = 0; k < 3; ++k) step[k] /= std::sqrt(ratio2);
+  const D4 ratio2 = dot3(step, step) / dot3(a, a);
+  if (!any(ratio2 > 1.0)) return;
+  D4 ratio;
+  square_root(ratio2, ratio);
+  for (int k = 0; k < 3; ++k) step[k] = ratio2 > 1.0 ? step[k] / ratio : step[k];
 }
 RAYLIGN_INLINE void shorten(HomogeneousPoint /*kind*/,
-                            const double* /*X*/,
-                            const double* /*c*/,
-                            double* /*step*/) {}
+                            const D4* /*X*/,
+                            const D4* /*c*/,
+                            D4* /*step*/) {}
 
-template <typename Point, typename Camera>
-RAYLIGN_INLINE double cost_of_point(Point kind,
-                                    Camera camera_kind,
-                                    const State& state,
-                                    std::int64_t j,
-                                    const CameraPacket* packets,
-                                    const double* X_j) {
-  const Observations& observations = state.observations;
-  double cost = 0.0;
-  for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
-    const CameraPacket& camera = packets[observations.camera[q]];
-    double P[3];
-    transform(kind, camera, X_j, P);
-    typename Camera::Projection p;
-    if (!project(camera_kind, camera, P, p)) return NAN;
-    double r[2];
-    residual(camera_kind, camera, p, observations.uv + 2 * q, r);
-    const double s = r[0] * r[0] + r[1] * r[1];
-    cost += 0.5 * (state.loss == nullptr ? s : state.loss->evaluate(s).rho);
-  }
-  return cost;
-}
-
-template <typename Point, typename Camera>
-RAYLIGN_INLINE std::int64_t count_behind(Point kind,
-                                         Camera camera_kind,
-                                         const Observations& observations,
-                                         std::int64_t j,
-                                         const CameraPacket* packets,
-                                         const double* X_j) {
-  std::int64_t count = 0;
-  for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
-    const CameraPacket& camera = packets[observations.camera[q]];
-    double P[3];
-    transform(kind, camera, X_j, P);
-    typename Camera::Projection p;
-    count += project(camera_kind, camera, P, p) && is_in_front(kind, p) ? 0 : 1;
-  }
-  return count;
-}
-
-template <typename Point, typename Camera>
-RAYLIGN_INLINE PointView view_point(Point kind,
-                                    Camera camera_kind,
-                                    const State& state,
-                                    std::int64_t j,
-                                    const CameraPacket* packets,
-                                    const double* X_j) {
-  const Observations& observations = state.observations;
-  const Householder H = tangent_at(kind, X_j);
-  PointView view;
-  for (std::int64_t q = observations.starts[j]; q < observations.starts[j + 1]; ++q) {
-    const CameraPacket& camera = packets[observations.camera[q]];
-    double P[3];
-    transform(kind, camera, X_j, P);
-    typename Camera::Projection p;
-    if (!project(camera_kind, camera, P, p)) {
-      view.cost = NAN;
-      ++view.num_behind;
-      return view;
-    }
-    view.num_behind += is_in_front(kind, p) ? 0 : 1;
-    double r[2];
-    residual(camera_kind, camera, p, observations.uv + 2 * q, r);
-    ObservationJacobian J;
-    jacobian(camera_kind, camera, p, J);
-    const double s = r[0] * r[0] + r[1] * r[1];
-    view.cost += 0.5 * (state.loss == nullptr ? s : apply_loss(*state.loss, s, J, r));
-    double E[6];
-    point_rows(kind, H, J.A, camera.c, E);
-    add_gradient(E, r, view.block);
+// Without kJacobian: without the block.
+template <bool kJacobian, typename Point, typename Camera>
+RAYLIGN_INLINE void view_points(Point kind,
+                                Camera camera_kind,
+                                const State& state,
+                                const Group& group,
+                                const CameraPacket* packets,
+                                const D4* X,
+                                PointView& view) {
+  const auto H = tangent_at(kind, X);
+  const PointView nothing = {};
+  view = nothing;
+  for (std::int64_t step = 0; step < group.longest; ++step) {
+    std::int64_t q[4];
+    observations_at(group, step, q);
+    CameraLanes camera;
+    gather_cameras(camera_kind, packets, state.observations.camera, q, camera);
+    Sight sight;
+    look<kJacobian>(kind, camera_kind, state, group, step, q, camera, X, sight);
+    view.cost += 0.5 * sight.rho;
+    view.behind += sight.behind;
+    if (!kJacobian) continue;
+    D4 E[6];
+    point_rows(kind, H, sight.J.A, camera.c, E);
+    add_gradient(E, sight.r, view.block);
     add_hessian(E, view.block);
   }
-  return view;
 }
 
-// The point X after the joint step, in turn: it follows the cameras that have moved by Gauss-Newton
-// steps of its own (variable projection; Ceres' inner iterations), as long as they pay. A point
-// that the joint step put behind a camera stays where it was before. Returns the cost; adds to
-// `gain` what the steps gained.
+RAYLIGN_INLINE void choose(const M4& mask, const D4& chosen, D4& kept) {
+  kept = mask ? chosen : kept;
+}
+
+RAYLIGN_INLINE void choose(const M4& mask, const PointView& chosen, PointView& kept) {
+  choose(mask, chosen.cost, kept.cost);
+  choose(mask, chosen.behind, kept.behind);
+  for (int k = 0; k < 6; ++k) choose(mask, chosen.block.H[k], kept.block.H[k]);
+  for (int k = 0; k < 3; ++k) choose(mask, chosen.block.g[k], kept.block.g[k]);
+}
+
+// Points that the joint step put behind a camera go back to where they were; whether there are any.
 template <typename Point, typename Camera>
-RAYLIGN_INLINE double refine_point(Point kind,
-                                   Camera camera_kind,
-                                   const TrialStep& step,
-                                   std::int64_t j,
-                                   double* X,
-                                   double& gain) {
-  const State& state = step.state;
-  const double* X_before = state.X + std::int64_t{Point::kStride} * j;
-  PointView view = view_point(kind, camera_kind, state, j, step.trial_packets, X);
-  if (view.num_behind > 0 && view.num_behind > count_behind(kind, camera_kind, state.observations,
-                                                            j, state.packets, X_before)) {
-    for (int k = 0; k < Point::kStride; ++k) X[k] = X_before[k];
-    view = view_point(kind, camera_kind, state, j, step.trial_packets, X);
+RAYLIGN_INLINE bool retreat(Point kind,
+                            Camera camera_kind,
+                            const State& state,
+                            const Group& group,
+                            const D4& behind,
+                            D4* X) {
+  if (!any(behind > 0.0)) return false;
+  D4 X_before[Point::kStride];
+  gather_points(kind, group, state.X, X_before);
+  PointView before;
+  view_points<false>(kind, camera_kind, state, group, state.packets, X_before, before);
+  const M4 is_worse = behind > before.behind;
+  for (int k = 0; k < Point::kStride; ++k) choose(is_worse, X_before[k], X[k]);
+  return any(is_worse);
+}
+
+// The Gauss-Newton step of a point by itself and the decrease that it promises.
+template <typename Point>
+RAYLIGN_INLINE void point_step(Point kind,
+                               const PointView& view,
+                               const M4* held,
+                               const D4* X,
+                               const D4* c,
+                               D4* step,
+                               D4& promise) {
+  const D4* H = view.block.H;
+  const D4 diagonal[3] = {H[0], H[3], H[5]};
+  D4 W[6];
+  factor_block(H, diagonal, held, W);
+  D4 z[3];
+  multiply_transposed(W, view.block.g, z);
+  promise = 0.5 * dot3(z, z);
+  multiply(W, z, step);
+  for (int k = 0; k < 3; ++k) step[k] = -step[k];
+  shorten(kind, X, c, step);
+}
+
+// The points X after the joint step, in turn: they follow the cameras that have moved by
+// Gauss-Newton steps of their own (variable projection; Ceres' inner iterations), as long as they
+// pay. A point that the joint step put behind a camera stays where it was before. Adds to `gain`
+// what the steps gained.
+template <typename Point, typename Camera>
+RAYLIGN_INLINE void refine_points(Point kind,
+                                  Camera camera_kind,
+                                  const TrialStep& trial,
+                                  const Group& group,
+                                  const D4* W,
+                                  D4* X,
+                                  D4& cost,
+                                  D4& gain) {
+  const D4 zero = {};
+  const M4 held[3] = {W[0] == zero, W[3] == zero, W[5] == zero};
+  D4 live;
+  live_lanes(group, live);
+  D4 c[3];  // of the first cameras
+  const double* centers[4];
+  for (int lane = 0; lane < 4; ++lane) {
+    centers[lane] = trial.trial_packets[trial.state.observations.camera[group.first[lane]]].c;
   }
-  const CameraPacket& first_camera =
-      step.trial_packets[state.observations.camera[state.observations.starts[j]]];
-  const double* W = step.factors[j].W;
-  const bool held[3] = {W[0] == 0.0, W[3] == 0.0, W[5] == 0.0};
-  if (held[0] && held[1] && held[2]) return view.cost;
-  for (int i = 0; i < kMaxRefinements; ++i) {
-    const double* H = view.block.H;
-    const double diagonal[3] = {H[0], H[3], H[5]};
-    const LandmarkFactor factor = factor_block(H, diagonal, held);
-    double z[3];
-    multiply_transposed(factor.W, view.block.g, z);
-    if (!(0.5 * dot3(z, z) > kWorthwhile * view.cost)) break;  // what the step promises
-    double delta[3];
-    multiply(factor.W, z, delta);
-    for (double& d : delta) d = -d;
-    shorten(kind, X, first_camera.c, delta);
-    double X_next[Point::kStride];
-    move_point(kind, tangent_at(kind, X), X, delta, X_next);
-    const PointView next = view_point(kind, camera_kind, state, j, step.trial_packets, X_next);
-    if (!(next.cost < view.cost) || next.num_behind > view.num_behind) break;
-    gain += view.cost - next.cost;
-    for (int k = 0; k < Point::kStride; ++k) X[k] = X_next[k];
-    view = next;
+  gather<3>(centers, c);
+  D4 X_next[Point::kStride];
+  for (int k = 0; k < Point::kStride; ++k) X_next[k] = X[k];
+  M4 goes_on = (live > 0.0) & ~(held[0] & held[1] & held[2]);
+  PointView view;
+  int num_steps = 0;
+  for (int look = 0;; ++look) {
+    PointView next;
+    view_points<true>(kind, camera_kind, trial.state, group, trial.trial_packets, X_next, next);
+    if (look == 0 && retreat(kind, camera_kind, trial.state, group, next.behind, X_next)) continue;
+    if (num_steps == 0) {
+      view = next;
+      for (int k = 0; k < Point::kStride; ++k) X[k] = X_next[k];
+    } else {
+      goes_on = goes_on & (next.cost < view.cost) & ~(next.behind > view.behind);
+      gain += goes_on ? view.cost - next.cost : zero;
+      for (int k = 0; k < Point::kStride; ++k) choose(goes_on, X_next[k], X[k]);
+      choose(goes_on, next, view);
+    }
+    if (num_steps++ == kMaxRefinements) break;
+    D4 step[3];
+    D4 promise;
+    point_step(kind, view, held, X, c, step, promise);
+    goes_on = goes_on & (promise > kWorthwhile * view.cost);
+    if (!any(goes_on)) break;
+    move_point(kind, tangent_at(kind, X), X, step, X_next);
   }
-  return view.cost;
+  cost = view.cost;
+}
+
+// Fδ of an observation and its E: what the substitution needs of it.
+struct alignas(32) Moved {
+  D4 v[2];
+  D4 E[6];
+};
+static_assert(sizeof(Moved) == sizeof(TrialScratch) && alignof(Moved) == alignof(TrialScratch));
+
+// TrialSums, lane by lane.
+struct GroupSums {
+  D4 cost = {};
+  D4 model_decrease = {};
+  D4 squared_step = {};
+  D4 squared_state = {};
+};
+
+// y = g + Σ Eᵀ F δ.
+template <typename Point, typename Camera>
+RAYLIGN_INLINE void substitute_cameras(Point kind,
+                                       Camera camera_kind,
+                                       const TrialStep& trial,
+                                       const Group& group,
+                                       const D4* X,
+                                       Moved* moved,
+                                       D4* y) {
+  const Observations& observations = trial.state.observations;
+  const D4 w = weight(kind, X);
+  const auto H = tangent_at(kind, X);
+  for (std::int64_t step = 0; step < group.longest; ++step) {
+    std::int64_t q[4];
+    observations_at(group, step, q);
+    CameraLanes camera;
+    gather_cameras(camera_kind, trial.state.packets, observations.camera, q, camera);
+    JacobianOf<D4> J;
+    jacobians_at(kind, camera_kind, trial.J, q, camera, X, J);
+    const double* rows[4];
+    for (int lane = 0; lane < 4; ++lane) {
+      rows[lane] = trial.delta + std::int64_t{observations.camera[q[lane]]} * kRow;
+    }
+    D4 d[9];
+    gather<9>(rows, d);
+    D4 a[3];
+    ray(kind, X, camera.c, a);
+    D4 turned[3];  // Fδ = A (ω × a − w δc) + I δ(f, k1, k2)
+    cross(d, a, turned);
+    for (int k = 0; k < 3; ++k) turned[k] -= w * d[3 + k];
+    Moved& out = moved[step];
+    out.v[0] = dot3(J.A, turned) + dot3(J.I, d + 6);
+    out.v[1] = dot3(J.A + 3, turned) + dot3(J.I + 3, d + 6);
+    point_rows(kind, H, J.A, camera.c, out.E);
+    if (!group.is_whole(step)) {
+      D4 live;
+      live_lanes(group, step, live);
+      for (D4& v : out.v) v *= live;
+      for (D4& e : out.E) e *= live;
+    }
+    for (int k = 0; k < 3; ++k) y[k] += out.E[k] * out.v[0] + out.E[3 + k] * out.v[1];
+  }
+}
+
+template <typename Point, typename Camera>
+RAYLIGN_INLINE void try_group(Point kind,
+                              Camera camera_kind,
+                              const TrialStep& trial,
+                              const Group& group,
+                              Moved* moved,
+                              GroupSums& sums) {
+  const D4 zero = {};
+  D4 X[Point::kStride];
+  gather_points(kind, group, trial.state.X, X);
+  D4 block[9];
+  gather_records<9>(group, trial.blocks, block);
+  const D4* g = block + 6;
+  D4 W[6];
+  gather_records<6>(group, trial.factors, W);
+  D4 y[3] = {g[0], g[1], g[2]};
+  substitute_cameras(kind, camera_kind, trial, group, X, moved, y);
+  D4 z[3];
+  D4 step[3];
+  multiply_transposed(W, y, z);
+  multiply(W, z, step);
+  for (D4& s : step) s = -s;
+  D4 live;
+  live_lanes(group, live);
+  D4 decrease = -dot3(g, step);
+  for (std::int64_t k = 0; k < group.longest; ++k) {
+    const D4 u0 = moved[k].v[0] + dot3(moved[k].E, step);
+    const D4 u1 = moved[k].v[1] + dot3(moved[k].E + 3, step);
+    decrease -= 0.5 * (u0 * u0 + u1 * u1);
+  }
+  const M4 moves = (W[0] != zero) | (W[3] != zero) | (W[5] != zero);
+  D4 squared_state = {};
+  for (const D4& x : X) squared_state += x * x;
+  sums.squared_step += live * dot3(step, step);
+  sums.squared_state += moves ? live * squared_state : zero;
+  D4 X_new[Point::kStride];
+  move_point(kind, tangent_at(kind, X), X, step, X_new);
+  D4 cost;
+  if (trial.refine_points) {
+    refine_points(kind, camera_kind, trial, group, W, X_new, cost, decrease);
+  } else {
+    PointView view;
+    view_points<false>(kind, camera_kind, trial.state, group, trial.trial_packets, X_new, view);
+    cost = view.cost;
+  }
+  sums.cost += cost;
+  sums.model_decrease += live * decrease;
+  scatter_points(kind, group, X_new, trial.X_trial);
 }
 
 template <typename Point, typename Camera>
@@ -176,69 +282,23 @@ RAYLIGN_INLINE TrialSums try_points(Point kind,
                                     const TrialStep& trial,
                                     std::int64_t begin,
                                     std::int64_t end,
-                                    double* scratch) {
-  const Observations& observations = trial.state.observations;
-  const CameraPacket* packets = trial.state.packets;
-  TrialSums sums;
-  for (std::int64_t j = begin; j < end; ++j) {
-    const std::int64_t first = observations.starts[j];
-    const std::int64_t last = observations.starts[j + 1];
-    const double* X_j = trial.state.X + std::int64_t{Point::kStride} * j;
-    double* X_new = trial.X_trial + std::int64_t{Point::kStride} * j;
-    const double w = weight(kind, X_j);
-    const Householder H = tangent_at(kind, X_j);
-    const double* g = trial.blocks[j].g;
-    double y[3] = {g[0], g[1], g[2]};  // g + Σ Eᵀ F δ
-    for (std::int64_t q = first; q < last; ++q) {
-      const std::int32_t i = observations.camera[q];
-      const double* d = trial.delta + std::int64_t{i} * kRow;
-      const double* c = packets[i].c;
-      double a[3];
-      ray(kind, X_j, c, a);
-      double moved[3];  // Fδ = A (ω × a − w δc) + I δ(f, k1, k2)
-      cross(d, a, moved);
-      for (int k = 0; k < 3; ++k) moved[k] -= w * d[3 + k];
-      const ObservationJacobian J_q = load(trial.J, q);
-      double* v = scratch + 2 * (q - first);
-      v[0] = dot3(J_q.A, moved) + dot3(J_q.I, d + 6);
-      v[1] = dot3(J_q.A + 3, moved) + dot3(J_q.I + 3, d + 6);
-      double E[6];
-      point_rows(kind, H, J_q.A, c, E);
-      for (int k = 0; k < 3; ++k) y[k] += E[k] * v[0] + E[3 + k] * v[1];
-    }
-    const double* W = trial.factors[j].W;
-    double z[3];
-    double step[3];
-    multiply_transposed(W, y, z);
-    multiply(W, z, step);
-    const bool moves = W[0] != 0.0 || W[3] != 0.0 || W[5] != 0.0;
-    for (int k = 0; k < 3; ++k) {
-      step[k] = -step[k];
-      sums.squared_step += step[k] * step[k];
-    }
-    for (int k = 0; k < Point::kStride; ++k) sums.squared_state += moves ? X_j[k] * X_j[k] : 0.0;
-    move_point(kind, H, X_j, step, X_new);
-    sums.model_decrease -= dot3(g, step);
-    for (std::int64_t q = first; q < last; ++q) {
-      const ObservationJacobian J_q = load(trial.J, q);
-      const double* v = scratch + 2 * (q - first);
-      double E[6];
-      point_rows(kind, H, J_q.A, packets[observations.camera[q]].c, E);
-      const double u0 = v[0] + dot3(E, step);
-      const double u1 = v[1] + dot3(E + 3, step);
-      sums.model_decrease -= 0.5 * (u0 * u0 + u1 * u1);
-    }
-    sums.cost += trial.refine_points
-                     ? refine_point(kind, camera_kind, trial, j, X_new, sums.model_decrease)
-                     : cost_of_point(kind, camera_kind, trial.state, j, trial.trial_packets, X_new);
+                                    TrialScratch* scratch) {
+  GroupSums sums;
+  for (std::int64_t j = begin; j < end; j += 4) {
+    try_group(kind, camera_kind, trial, group_at(trial.state.observations, j, end),
+              reinterpret_cast<Moved*>(scratch), sums);
   }
-  return sums;
+  return {sum_of(sums.cost), sum_of(sums.model_decrease), sum_of(sums.squared_step),
+          sum_of(sums.squared_state)};
 }
 
 // The one switch over cameras.
 template <typename Point>
-RAYLIGN_INLINE TrialSums try_cameras(
-    Point kind, const TrialStep& step, std::int64_t begin, std::int64_t end, double* scratch) {
+RAYLIGN_INLINE TrialSums try_cameras(Point kind,
+                                     const TrialStep& step,
+                                     std::int64_t begin,
+                                     std::int64_t end,
+                                     TrialScratch* scratch) {
   switch (step.state.observations.camera_kind) {
     case CameraKind::PINHOLE:
       return try_points(kind, PinholeKind{}, step, begin, end, scratch);
@@ -255,7 +315,7 @@ RAYLIGN_INLINE TrialSums try_cameras(
 RAYLIGN_CLONES TrialSums try_landmarks(const TrialStep& step,
                                        std::int64_t begin,
                                        std::int64_t end,
-                                       double* scratch) {
+                                       TrialScratch* scratch) {
   if (step.state.observations.point_kind == PointKind::HOMOGENEOUS) {
     return try_cameras(HomogeneousPoint{}, step, begin, end, scratch);
   }

@@ -17,7 +17,7 @@ struct TrialStep {
   const LandmarkFactor* factors;      ///< (L,)
   const double* delta;                ///< canonical camera steps, (C, kRow)
   double* X_trial;                    ///< written
-  bool refine_points;                 ///< see refine_point in trial_kernels.cpp
+  bool refine_points;                 ///< see refine_points in trial_kernels.cpp
 };
 
 /// Sums over landmarks of what the loop wants to know of a step.
@@ -30,11 +30,16 @@ struct TrialSums {
   double squared_state = 0.0;
 };
 
+/// What one step along four tracks leaves for the next loop.
+struct alignas(32) TrialScratch {
+  double values[32];
+};
+
 /// Landmarks [begin, end): δX = −W Wᵀ (g + Σ Eᵀ F δ), X_trial = X ⊞ δX, and the cost there.
-/// `scratch`: (2 · max_track_length,), one per thread.
+/// `scratch`: (max_track_length,), one per thread.
 TrialSums try_landmarks(const TrialStep& step,
                         std::int64_t begin,
                         std::int64_t end,
-                        double* scratch);
+                        TrialScratch* scratch);
 
 }  // namespace raylign::native

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "raylign/photometric/native/double_lanes.h"
+#include "raylign/base/double_lanes.h"
 #include "raylign/photometric/native/patch_projection.h"
 #include "raylign/photometric/native/patch_tensor.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "raylign/base/clones.h"
-#include "raylign/photometric/native/double_lanes.h"
+#include "raylign/base/double_lanes.h"
 
 namespace raylign::native {
 namespace {
