@@ -62,7 +62,10 @@ void bind_options(py::module_& m) {
              "Recent keyframes that a lost frame is compared with, >= 1.")
       .field("min_depth_agreement", &OdometryOptions::min_depth_agreement,
              "Share of the points that must land on the frame's own depth where the images leave "
-             "doubt, in [0, 1].");
+             "doubt, in [0, 1].")
+      .field("max_depth_step", &OdometryOptions::max_depth_step,
+             "Without the depth term: how far the frame's depth may have the camera elsewhere, "
+             "share of the mean depth and rad, > 0.");
   options.finish();
 }
 

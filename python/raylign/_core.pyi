@@ -1782,6 +1782,7 @@ class OdometryOptions:
     depth_scale: float
     num_recovery_keyframes: int
     min_depth_agreement: float
+    max_depth_step: float
     def __init__(
         self,
         *,
@@ -1794,6 +1795,7 @@ class OdometryOptions:
         depth_scale: float = ...,
         num_recovery_keyframes: int = ...,
         min_depth_agreement: float = ...,
+        max_depth_step: float = ...,
     ) -> None: ...
     def replace(
         self,
@@ -1807,6 +1809,7 @@ class OdometryOptions:
         depth_scale: float = ...,
         num_recovery_keyframes: int = ...,
         min_depth_agreement: float = ...,
+        max_depth_step: float = ...,
     ) -> Self: ...
     def validate(self) -> None: ...
     def to_dict(self) -> dict[str, Any]: ...

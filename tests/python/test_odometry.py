@@ -80,8 +80,8 @@ def rolling(readout_time, n=20, fps=15.0):
     return frames, T_wc, timestamps
 
 
-def follow(frames, timestamps, options):
-    tracker = RgbdOdometry(CAMERA, options=options)
+def follow(frames, timestamps, options, camera=CAMERA):
+    tracker = RgbdOdometry(camera, options=options)
     return [
         tracker.track(image, depth, timestamp=float(t))
         for (image, depth), t in zip(frames, timestamps, strict=True)
@@ -114,6 +114,32 @@ def test_a_global_shutter_has_no_readout_time():
     frames, _, timestamps = rolling(0.0)
     results = follow(frames, timestamps, OdometryOptions())
     assert abs(results[-1].readout_s) < 0.05 / 15.0
+
+
+def passing_board(n=20, fps=30.0):
+    camera, size = PinholeCamera(262.5, 262.5, 159.5, 119.5), {"width": 320, "height": 240}
+    _, T_wc = synthetic.trajectory("handheld", n=60, extent=0.4, angle_deg=20.0, fps=fps, seed=1)
+    frames = []
+    for i in range(n):
+        board = synthetic.board(seed=1, offset=(-0.7 + 2.4 * i / 59, 0.0), size=(0.5, 0.8))
+        frame = synthetic.render(
+            synthetic.boxes(seed=1) + board, camera, geometry.se3_inverse(T_wc[i]), **size,
+            sensor=synthetic.SensorOptions(read_noise=1.0), seed=1, index=i,
+        )  # fmt: skip
+        frames.append((frame.image, synthetic.sense_depth(frame, camera, seed=1, index=i)))
+    return frames, T_wc, np.arange(n) / fps, camera
+
+
+def test_intensities_alone_do_not_follow_a_passing_board():
+    frames, T_wc, timestamps, camera = passing_board()
+    options = OdometryOptions()
+    no_depth_term = options.tracking.depth.replace(enabled=False)
+    options = options.replace(tracking=options.tracking.replace(depth=no_depth_term))
+    held = errors_to_keyframe(follow(frames, timestamps, options, camera), T_wc)
+    free = options.replace(max_depth_step=10.0)
+    followed = errors_to_keyframe(follow(frames, timestamps, free, camera), T_wc)
+    assert held.max() < 0.05
+    assert followed.max() > 0.05
 
 
 def test_same_bits_for_any_number_of_threads(sequence):

@@ -2,27 +2,70 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/odometry/depth_agreement.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <vector>
 
 namespace raylign {
 namespace {
 
 constexpr int kMinPoints = 20;
-constexpr double kSaturated = 65535.0;  // what 7-Scenes writes for "no depth"
+// Half the base of the slope of the depth image, px of 640.
+constexpr double kBaseShare = 4.0 / 640.0;
+// Of a smooth surface the depth bends by less between three pixels of that base.
+constexpr double kMaxBend = 0.03;
+// A pixel is not the very point that lands in it: on a slope the depth differs, by this much per
+// unit of the slope (m).
+constexpr double kOffPixel = 0.002;
+constexpr double kHuber = 2.0;
+constexpr double kPriorSigma = 0.02;  // share of the mean depth; rad
+constexpr int kSteps = 3;
 
-// m, 0: none.
-double depth_at(const SensedDepth& sensed, int u, int v) {
-  const ImageView& image = sensed.image;
-  const auto* row = static_cast<const std::byte*>(image.data) + v * image.row_stride;
-  double z = 0.0;
-  if (image.type == PixelType::FLOAT32) {
-    z = static_cast<double>(reinterpret_cast<const float*>(row)[u]);
-  } else {
-    const double raw = reinterpret_cast<const std::uint16_t*>(row)[u];
-    z = raw == kSaturated ? 0.0 : raw / sensed.scale;
+// One point: what it misses the surface by, and how that changes with the pose, over σ.
+struct Row {
+  Vector6 J;
+  double r;
+};
+
+// False where the depth image has no slope.
+bool slope_at(const SensedDepth& sensed, int u, int v, double z, double& du, double& dv) {
+  const int base = std::max(1, static_cast<int>(std::lround(kBaseShare * sensed.image.width)));
+  if (u < base || v < base || u >= sensed.image.width - base || v >= sensed.image.height - base) {
+    return false;
   }
-  return z >= sensed.min_depth && z <= sensed.max_depth ? z : 0.0;  // NaN: 0
+  const double left = sensed.at(u - base, v);
+  const double right = sensed.at(u + base, v);
+  const double above = sensed.at(u, v - base);
+  const double below = sensed.at(u, v + base);
+  for (const double other : {left, right, above, below}) {
+    if (!(std::abs(other - z) < sensed.max_difference * z)) return false;
+  }
+  if (std::abs(left + right - 2.0 * z) > kMaxBend * z) return false;
+  if (std::abs(above + below - 2.0 * z) > kMaxBend * z) return false;
+  du = 0.5 * (right - left) / base;
+  dv = 0.5 * (below - above) / base;
+  return true;
+}
+
+Row row_of(const Vector3& X,
+           double z,
+           double du,
+           double dv,
+           const PinholeCamera& camera,
+           const DepthModel& model) {
+  // Z − z(u, v) by X
+  const double gx = du * camera.fx() / X.z();
+  const double gy = dv * camera.fy() / X.z();
+  const Vector3 normal(-gx, -gy, 1.0 + (gx * X.x() + gy * X.y()) / X.z());
+  const double sigma =
+      2.0 * model.inverse_depth_sigma(z) * z * z + kOffPixel * normal.head<2>().norm();
+  Row row;
+  row.J << normal, X.cross(normal);
+  row.J /= sigma;
+  row.r = (X.z() - z) / sigma;
+  return row;
 }
 
 }  // namespace
@@ -31,26 +74,45 @@ double depth_agreement(const PointList& points,
                        const Matrix4& T_th,
                        const PinholeCamera& camera,
                        const SensedDepth& sensed) {
-  const tracking::PointArrays arrays = points.arrays();
   int compared = 0;
   int agreeing = 0;
-  for (const PointList::Tile& tile : points.tiles()) {
-    for (std::int64_t i = tile.begin; i < tile.begin + tile.count; ++i) {
-      const Vector3 ray(static_cast<double>(arrays.ray_x[i]), static_cast<double>(arrays.ray_y[i]),
-                        1.0);
-      const auto D = static_cast<double>(arrays.D[i]);
-      const Vector3 X = T_th.topLeftCorner<3, 3>() * (ray / D) + T_th.topRightCorner<3, 1>();
-      if (!(X.z() > 0.0)) continue;
-      const double u = std::round(camera.fx() * X.x() / X.z() + camera.cx());
-      const double v = std::round(camera.fy() * X.y() / X.z() + camera.cy());
-      if (!(u >= 0.0 && u < sensed.image.width && v >= 0.0 && v < sensed.image.height)) continue;
-      const double z = depth_at(sensed, static_cast<int>(u), static_cast<int>(v));
-      if (z == 0.0) continue;
-      ++compared;
-      if (std::abs(X.z() - z) <= sensed.max_difference * z) ++agreeing;
-    }
-  }
+  visit_landings(points, T_th, camera, sensed, [&](const Vector3& X, int, int, double z) {
+    ++compared;
+    if (std::abs(X.z() - z) <= sensed.max_difference * z) ++agreeing;
+  });
   return compared < kMinPoints ? 1.0 : static_cast<double>(agreeing) / compared;
+}
+
+Vector6 depth_step(const PointList& points,
+                   const Matrix4& T_th,
+                   const PinholeCamera& camera,
+                   const SensedDepth& sensed) {
+  std::vector<Row> rows;
+  rows.reserve(static_cast<std::size_t>(points.num_points()));
+  visit_landings(points, T_th, camera, sensed, [&](const Vector3& X, int u, int v, double z) {
+    double du = 0.0;
+    double dv = 0.0;
+    if (std::abs(X.z() - z) > sensed.max_difference * z) return;
+    if (slope_at(sensed, u, v, z, du, dv)) {
+      rows.push_back(row_of(X, z, du, dv, camera, sensed.model));
+    }
+  });
+  Vector6 step = Vector6::Zero();
+  if (static_cast<int>(rows.size()) < kMinPoints) return step;
+  Vector6 prior = Vector6::Constant(1.0 / (kPriorSigma * kPriorSigma));
+  prior.head<3>() *= points.mean_inverse_depth() * points.mean_inverse_depth();
+  for (int i = 0; i < kSteps; ++i) {
+    Matrix6 H = prior.asDiagonal();
+    Vector6 g = Vector6::Zero();
+    for (const Row& row : rows) {
+      const double size = std::abs(row.r + row.J.dot(step));
+      const double weight = size <= kHuber ? 1.0 : kHuber / size;
+      H += weight * row.J * row.J.transpose();
+      g += weight * row.r * row.J;
+    }
+    step = -H.ldlt().solve(g);
+  }
+  return step.allFinite() ? step : Vector6(Vector6::Zero());
 }
 
 }  // namespace raylign

@@ -70,6 +70,7 @@ void OdometryOptions::validate() const {
                  num_recovery_keyframes);
   require_option(min_depth_agreement >= 0 && min_depth_agreement <= 1,
                  "OdometryOptions.min_depth_agreement", "in [0, 1]", min_depth_agreement);
+  require_option(max_depth_step > 0, "OdometryOptions.max_depth_step", "> 0", max_depth_step);
 }
 
 }  // namespace raylign

@@ -59,6 +59,9 @@ struct OdometryOptions {
   /// without the depth term: of the keyframe's points that land where the frame has depth, at least
   /// this share must land on it, within tracking.depth.max_difference; in [0, 1].
   double min_depth_agreement = 0.8;
+  /// Without the depth term, a pose is not believed when the frame's depth by itself would move it
+  /// by more: share of the mean depth and rad; > 0.
+  double max_depth_step = 0.03;
 
   /// TrackingOptions with a fixed weight of the depth term, 60: on real sequences the weight that
   /// is estimated from single pairs comes out too small and jumps (docs/benchmarks-tracking.md).

@@ -21,9 +21,19 @@ constexpr std::size_t kFinalists = 2;
 // more often.
 constexpr double kReadoutTolerance = 0.1;
 constexpr int kMaxRealignments = 3;
+// Share of max_depth_step above which a pose is looked for where the depth has it, too.
+constexpr double kDoubtfulStep = 0.5;
+// It must then agree with depth much better.
+constexpr double kMuchBetter = 0.5;
 
 TrackingOptions on_coarsest_level(TrackingOptions options) {
   options.finest_level = options.coarsest_level;
+  return options;
+}
+
+TrackingOptions on_finest_level(TrackingOptions options) {
+  options.coarsest_level = options.finest_level;
+  options.rotation_first = false;
   return options;
 }
 
@@ -61,11 +71,11 @@ RgbdOdometry::RgbdOdometry(const PinholeCamera& camera,
       readout_(options.shutter),
       converter_(options.depth_model),
       aligner_(options.tracking),
-      coarse_aligner_(on_coarsest_level(options.tracking)) {
+      coarse_aligner_(on_coarsest_level(options.tracking)),
+      fine_aligner_(on_finest_level(options.tracking)) {
   camera.validate();
   sensed_.scale = options_.depth_scale;
-  sensed_.min_depth = options_.depth_model.min_depth;
-  sensed_.max_depth = options_.depth_model.max_depth;
+  sensed_.model = options_.depth_model;
   sensed_.max_difference = options_.tracking.depth.max_difference;
 }
 
@@ -192,20 +202,59 @@ bool RgbdOdometry::try_start(Placed& reference,
                              const Frame& frame,
                              const Matrix4& T_cw,
                              OdometryResult& result) {
-  const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b,
-                             shutter(reference)};
-  result.alignment = aligner_.align(*reference.keyframe, frame, start);
+  Found found = align(aligner_, reference, frame, T_cw);
   ++result.num_alignments;
-  AlignmentResult& alignment = result.alignment;
-  const Matrix4 T_cw_found = without_drift(alignment.T_th * reference.T_kw);
-  judge(reference, T_cw_found, alignment);
+  if (found.depth_step > kDoubtfulStep * options_.max_depth_step) {
+    // what the intensities follow may move by itself; beside it lies the world that depth shows
+    Found other = align(fine_aligner_, reference, frame, found.T_cw_by_depth);
+    ++result.num_alignments;
+    if (other.alignment.status == AlignmentStatus::OK &&
+        other.depth_step < kMuchBetter * found.depth_step) {
+      found = std::move(other);
+    }
+  }
+  judge_depth_step(found.depth_step, found.alignment);
+  result.alignment = std::move(found.alignment);
+  const AlignmentResult& alignment = result.alignment;
   result.keyframe = reference.frame;
   result.reason = alignment.status == AlignmentStatus::OK ? "" : alignment.reason;
   if (alignment.status != AlignmentStatus::OK) return false;
-  result.T_wc = se3_inverse(T_cw_found);
+  result.T_wc = se3_inverse(without_drift(alignment.T_th * reference.T_kw));
   reference.a = alignment.a;
   reference.b = alignment.b;
   return true;
+}
+
+RgbdOdometry::Found RgbdOdometry::align(Aligner& aligner,
+                                        const Placed& reference,
+                                        const Frame& frame,
+                                        const Matrix4& T_cw) {
+  const AlignmentStart start{T_cw * se3_inverse(reference.T_kw), reference.a, reference.b,
+                             shutter(reference)};
+  Found found;
+  found.alignment = aligner.align(*reference.keyframe, frame, start);
+  AlignmentResult& alignment = found.alignment;
+  judge(reference, without_drift(alignment.T_th * reference.T_kw), alignment);
+  // the depth term has had its say
+  if (alignment.status != AlignmentStatus::OK || options_.tracking.depth.enabled) return found;
+  const Vector6 step =
+      depth_step(coarsest_points(*reference.keyframe), alignment.T_th, camera_, sensed_);
+  found.depth_step =
+      std::hypot(step.head<3>().norm() * alignment.mean_inverse_depth, step.tail<3>().norm());
+  found.T_cw_by_depth = se3_exp(step) * alignment.T_th * reference.T_kw;
+  return found;
+}
+
+// Enough to hold a pose against a depth image, and few.
+const PointList& RgbdOdometry::coarsest_points(const Keyframe& keyframe) const {
+  return keyframe.points(std::min(options_.tracking.coarsest_level, keyframe.num_levels() - 1));
+}
+
+void RgbdOdometry::judge_depth_step(double step, AlignmentResult& alignment) const {
+  if (alignment.status != AlignmentStatus::OK || step <= options_.max_depth_step) return;
+  alignment.status = AlignmentStatus::DIVERGED;
+  alignment.reason = "by the frame's depth the camera is elsewhere, by " + format_double(step) +
+                     " of the mean depth or rad (max_depth_step)";
 }
 
 Shutter RgbdOdometry::shutter(const Placed& reference) const {
@@ -264,10 +313,9 @@ void RgbdOdometry::judge(const Placed& reference,
     return;
   }
   if (alignment.agreement >= options_.keyframe_rule.min_agreement) return;
-  // the images alone leave doubt; the coarsest level is enough to tell, and has few points
-  const Keyframe& keyframe = *reference.keyframe;
-  const int level = std::min(options_.tracking.coarsest_level, keyframe.num_levels() - 1);
-  const double share = depth_agreement(keyframe.points(level), alignment.T_th, camera_, sensed_);
+  // the images alone leave doubt
+  const double share =
+      depth_agreement(coarsest_points(*reference.keyframe), alignment.T_th, camera_, sensed_);
   if (share >= options_.min_depth_agreement) return;
   alignment.status = AlignmentStatus::DIVERGED;
   alignment.reason = "only " + format_double(std::round(1000.0 * share) / 10.0) +

@@ -80,6 +80,13 @@ class RgbdOdometry {
     double b = 0.0;
   };
 
+  /// An alignment, and where the frame's own depth would have the camera.
+  struct Found {
+    AlignmentResult alignment;
+    double depth_step = 0.0;  ///< share of the mean depth and rad; 0: not asked
+    Matrix4 T_cw_by_depth = Matrix4::Identity();
+  };
+
   void check_input(const ImageView& image, const ImageView& depth, double timestamp);
   std::shared_ptr<Shot> make_shot(const ImageView& image, const ImageView& depth);
   void set_depth(const ImageView& depth, Frame& frame);
@@ -90,6 +97,9 @@ class RgbdOdometry {
                  const Frame& frame,
                  const Matrix4& T_cw,
                  OdometryResult& result);
+  Found align(Aligner& aligner, const Placed& reference, const Frame& frame, const Matrix4& T_cw);
+  const PointList& coarsest_points(const Keyframe& keyframe) const;
+  void judge_depth_step(double step, AlignmentResult& alignment) const;
   bool try_best_of(Placed& reference,
                    const Frame& frame,
                    const std::vector<Matrix4>& starts,
@@ -111,6 +121,7 @@ class RgbdOdometry {
   InverseDepthConverter converter_;
   Aligner aligner_;
   Aligner coarse_aligner_;
+  Aligner fine_aligner_;
   std::vector<std::shared_ptr<Shot>> pool_;
   Plane<float> D_, V_;
   SensedDepth sensed_;              ///< of the frame at hand

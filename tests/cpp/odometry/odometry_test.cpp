@@ -148,6 +148,8 @@ TEST(Odometry, RefusesWhatDoesNotFit) {
   EXPECT_THROW(odometry.track(ride.image(), bytes, 1.0), ShapeError);
   for (const auto& spoil : std::vector<std::function<void(OdometryOptions&)>>{
            [](OdometryOptions& o) { o.min_depth_agreement = 1.5; },
+           [](OdometryOptions& o) { o.max_depth_step = 0.0; },
+           [](OdometryOptions& o) { o.shutter.readout_s = std::nan(""); },
            [](OdometryOptions& o) { o.keyframe_rule.min_agreement = -0.1; },
            [](OdometryOptions& o) { o.tracking.motion = MotionGroup::SIM3; }}) {
     OdometryOptions options;
@@ -205,8 +207,28 @@ TEST(DepthAgreement, ReadsIntegersAsTheirScaleSays) {
   };
   EXPECT_GT(share(), 0.99);
   std::fill(units.begin(), units.end(), std::uint16_t{65535});  // no depth anywhere
-  sensed.max_depth = 1e3;
+  sensed.model.max_depth = 1e3;
   EXPECT_EQ(share(), 1.0);
+}
+
+TEST(DepthStep, LeadsBackToThePose) {
+  Ride ride;
+  ride.shoot(Matrix4::Identity());
+  const PlaneScene scene;
+  const Keyframe keyframe(scene.frame(Matrix4::Identity(), 1e-6));
+  SensedDepth sensed;
+  sensed.image = ride.depth();
+  Vector6 xi;
+  xi << 0.03, -0.02, 0.02, 0.01, -0.015, 0.01;
+  const auto step = [&](const Matrix4& T_th) {
+    return depth_step(keyframe.points(0), T_th, ride.camera(), sensed);
+  };
+  EXPECT_LT(step(Matrix4::Identity()).norm(), 2e-3);
+  const Matrix4 wrong = se3_exp(xi);
+  EXPECT_LT(se3_log(se3_exp(step(wrong)) * wrong).norm(), 0.25 * xi.norm());
+  // another surface, everywhere
+  std::fill_n(ride.depth_plane().data(), ride.depth_plane().size(), 0.5F);
+  EXPECT_EQ(step(wrong).norm(), 0.0);
 }
 
 }  // namespace
