@@ -170,6 +170,8 @@ class Adjustment {
     if (options_.covariance == CovarianceScope::NONE) return;
     CovarianceOptions options;
     options.points = options_.covariance == CovarianceScope::ALL;
+    options.presmooth = options_.presmooth;
+    options.prior_unit = refinement.law().unit;
     const FrozenProblem solve =
         refinement.make_solve(views, std::vector<bool>(setting_.num_points(), true));
     if (solve.scene.num_edges() == 0) return;

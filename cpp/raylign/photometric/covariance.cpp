@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raylign/photometric/covariance.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@
 #include "raylign/base/error.h"
 #include "raylign/geometry/se3.h"
 #include "raylign/photometric/reduced_covariance.h"
+#include "raylign/photometric/sampled_noise.h"
 
 namespace raylign {
 namespace {
@@ -81,62 +84,83 @@ double shared_noise_of(const ResidualMoments& moments, double chosen) {
   return std::clamp(moments.cross / moments.cross_scale, 0.0, 1.0);
 }
 
-// Second moments of a point's part of the gradient, over v: what H would be if all noise were
-// independent and everywhere, less what is not.
+// Second moments of a point's part of the gradient, over v.
 struct PointNoise {
   PointBlock point;         // (d, d)
   PointColumns cross;       // (d, L) of the point's gradient and the reduced one, stored transposed
   Eigen::MatrixXd reduced;  // (L, L)
 };
 
-PointNoise point_noise(const PointSystem& system, const ReducedPoint& reduced, double share) {
-  const Eigen::MatrixXd S = system.H - reduced.Y * system.W.transpose();
-  const Eigen::MatrixXd host = system.host - system.host_point * reduced.Y.transpose();
-  const Eigen::MatrixXd shared = system.shared - system.shared_point * reduced.Y.transpose();
-  const PointColumns prior = reduced.Y * system.prior;
-  const PointBlock host_point = system.host_point.transpose() * system.host_point;
-  const PointColumns host_cross = host.transpose() * system.host_point;
-  const Eigen::MatrixXd of_images = S - host.transpose() * host;
+// Zᵀ Σ Z of rows Z = J_c − J_p Yᵀ, from Jᵀ Σ J in blocks.
+Eigen::MatrixXd reduced_by(const PointColumns& Y,
+                           const Eigen::MatrixXd& H,
+                           const PointColumns& W,
+                           const PointBlock& V) {
+  const Eigen::MatrixXd half = (W - 0.5 * Y * V) * Y.transpose();
+  return H - half - half.transpose();
+}
+
+// Whose noise the gradient has, over v.
+struct NoiseShares {
+  double patch = 0.0;  // of a residual: the same in all images of a pixel
+  double prior = 1.0;  // of a prior whose information is one
+};
+
+PointNoise point_noise(const PointSystem& system,
+                       const ReducedPoint& reduced,
+                       const NoiseShares& shares) {
+  const PointColumns& Y = reduced.Y;
+  const PointBlock V = system.V - system.prior;
+  const PointBlock prior = shares.prior * system.prior;
+  const Eigen::MatrixXd host = system.host - system.host_point * Y.transpose();
+  const Eigen::MatrixXd shared = system.shared - system.shared_point * Y.transpose();
+  const double own = 1.0 - shares.patch;
   PointNoise noise;
-  noise.reduced =
-      of_images - share * (of_images - prior * reduced.Y.transpose() - shared.transpose() * shared);
-  noise.cross =
-      -host_cross - share * (prior - host_cross - shared.transpose() * system.shared_point);
-  noise.point = system.V - host_point -
-                share * (system.V - host_point - system.prior -
-                         system.shared_point.transpose() * system.shared_point);
+  noise.reduced = own * (reduced_by(Y, system.H, system.W, V) - host.transpose() * host) +
+                  shares.patch * shared.transpose() * shared + Y * prior * Y.transpose();
+  noise.cross = own * (system.W - Y * V - host.transpose() * system.host_point) +
+                shares.patch * shared.transpose() * system.shared_point - Y * prior;
+  noise.point = own * (V - system.host_point.transpose() * system.host_point) +
+                shares.patch * system.shared_point.transpose() * system.shared_point + prior;
   return noise;
 }
 
-// P Σ P of gradients of variance 1, P taking out what the point can follow.
-Eigen::MatrixXd reduced_steepness(const PointSystem& system, const ReducedPoint& reduced) {
-  const Eigen::MatrixXd half = system.steep_W * reduced.Y.transpose();
-  return system.steep_H - half - half.transpose() +
-         reduced.Y * system.steep_V * reduced.Y.transpose();
+// Noise of the gradients adds to H what the cost does not have as curvature. At most this share is
+// taken away again: beyond, nothing here is an expansion any more.
+constexpr double kMaxNoiseShare = 0.5;
+
+// Largest xᵀ A x / xᵀ B x of the directions that B has.
+double largest_ratio(const PointBlock& A, const PointBlock& B) {
+  if (B.rows() == 0) return 0.0;
+  const Eigen::SelfAdjointEigenSolver<PointBlock> roots(invert_symmetric(B).inverse);
+  const PointBlock whitened = roots.operatorSqrt() * A * roots.operatorSqrt();
+  return Eigen::SelfAdjointEigenSolver<PointBlock>(whitened, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
 }
 
-// Variance of the interpolated gradient, mean over the position in the cell, for noise of variance
-// one: of white noise through the interpolant's frequency response.
-double gradient_noise_gain(SampleInterpolation interpolation) {
-  switch (interpolation) {
-    case SampleInterpolation::CUBIC_BSPLINE:
-      return 2.163;
-    case SampleInterpolation::CENTRAL_DIFFERENCE:
-      return 2.0 / 9.0;
-    case SampleInterpolation::BILINEAR:
-      break;
+PointSystem without_gradient_noise(PointSystem system, double variance) {
+  if (variance == 0.0) return system;
+  const double share = largest_ratio(system.steep_V, system.V);
+  if (share > 0.0) variance = std::min(variance, kMaxNoiseShare / share);
+  system.H -= variance * system.steep_H;
+  system.W -= variance * system.steep_W;
+  system.V -= variance * system.steep_V;
+  return system;
+}
+
+// `reduced`, or where that takes too much from `noisy` in some direction, the mean of all.
+Eigen::MatrixXd without_gradient_noise(const Eigen::MatrixXd& noisy,
+                                       const Eigen::MatrixXd& noisy_inverse,
+                                       const Eigen::MatrixXd& reduced) {
+  Eigen::MatrixXd rest = reduced - (1.0 - kMaxNoiseShare) * noisy;
+  rest.diagonal() += 1e-9 * noisy.diagonal();  // what no edge determines
+  if (rest.rows() == 0 || Eigen::LLT<Eigen::MatrixXd>(rest).info() == Eigen::Success) {
+    return reduced;
   }
-  return 4.0 / 3.0;
-}
-
-// Noise of the gradients makes H larger than the curvature of the cost that it stands for by a
-// share e, and C, in which H⁻¹ stands three times and H twice, too small by (1 − e)².
-double gradient_noise_factor(SampleInterpolation interpolation,
-                             double image_variance,
-                             double steep_share) {
-  const double share = gradient_noise_gain(interpolation) * image_variance * steep_share;
-  const double rest = 1.0 - std::min(share, 0.5);  // beyond, nothing here is an expansion any more
-  return 1.0 / (rest * rest);
+  const double share =
+      noisy_inverse.cwiseProduct(noisy - reduced).sum() / static_cast<double>(noisy.rows());
+  return (1.0 - std::min(share, kMaxNoiseShare)) * noisy;
 }
 
 // Of the priors on poses and brightness.
@@ -211,14 +235,50 @@ void fill_point(const WorldPointMotion& motion,
         K * gather(system.columns, covariance) * K.transpose();
 }
 
+// Sums over the points, each eliminated as if its gradients had noise of `gradient_variance` less.
+struct ReducedSums {
+  Eigen::MatrixXd S;          // curvature
+  Eigen::MatrixXd B;          // what the gradient's covariance is expected to be, over v
+  Eigen::MatrixXd scattered;  // what it is
+  double num_free = 0.0;      // coordinates of points
+};
+
+ReducedSums sum_points(PointSystemBuilder& builder,
+                       std::int64_t num_points,
+                       Eigen::Index size,
+                       const NoiseShares& shares,
+                       double gradient_variance) {
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(size, size);
+  ReducedSums sums = {zero, zero, zero};
+  for (std::int64_t p = 0; p < num_points; ++p) {
+    const PointSystem& system = builder.build(p);
+    const PointSystem exact = without_gradient_noise(system, gradient_variance);
+    const ReducedPoint reduced(exact);
+    sums.num_free += static_cast<double>(system.V.rows() - reduced.nullity);
+    scatter(system.columns, exact.H - reduced.Y * exact.W.transpose(), sums.S);
+    scatter(system.columns, point_noise(system, reduced, shares).reduced, sums.B);
+    const Eigen::VectorXd gradient = system.gradient - reduced.Y * system.point_gradient;
+    scatter(system.columns, gradient * gradient.transpose(), sums.scattered);
+  }
+  return sums;
+}
+
+void validate(const CovarianceOptions& options) {
+  require_option(options.shared_noise <= 1.0, "CovarianceOptions.shared_noise", "<= 1",
+                 options.shared_noise);
+  require_option(std::isfinite(options.presmooth) && options.presmooth >= 0.0,
+                 "CovarianceOptions.presmooth", "finite and >= 0", options.presmooth);
+  require_option(std::isfinite(options.prior_unit) && options.prior_unit >= 0.0,
+                 "CovarianceOptions.prior_unit", "finite and >= 0", options.prior_unit);
+}
+
 }  // namespace
 
 PhotometricCovariance photometric_covariance(const PatchScene& scene,
                                              const PatchConstraints& constraints,
                                              const PatchSolveOptions& options,
                                              const CovarianceOptions& covariance) {
-  require_option(covariance.shared_noise <= 1.0, "CovarianceOptions.shared_noise", "<= 1",
-                 covariance.shared_noise);
+  validate(covariance);
   const std::int64_t N = scene.num_points();
   const PatchColumns columns = patch_columns(scene, constraints);
   PointSystemBuilder builder(scene, columns, constraints, options.loss, options.scope);
@@ -226,48 +286,41 @@ PhotometricCovariance photometric_covariance(const PatchScene& scene,
   for (std::int64_t p = 0; p < N; ++p) add_point(scene, options, p, moments);
 
   PhotometricCovariance result;
-  result.shared_noise = shared_noise_of(moments, covariance.shared_noise);
   result.overlap = overlap_of(scene);
-  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns.size, columns.size);
-  Eigen::MatrixXd B = S;
-  Eigen::MatrixXd scattered = S;
-  Eigen::MatrixXd steep = S;
-  auto num_parameters = static_cast<double>(columns.size);
-  for (std::int64_t p = 0; p < N; ++p) {
-    const PointSystem& system = builder.build(p);
-    const ReducedPoint reduced(system);
-    num_parameters += static_cast<double>(system.V.rows() - reduced.nullity);
-    scatter(system.columns, system.H - reduced.Y * system.W.transpose(), S);
-    scatter(system.columns, point_noise(system, reduced, result.shared_noise).reduced, B);
-    scatter(system.columns, reduced_steepness(system, reduced), steep);
-    const Eigen::VectorXd gradient = system.gradient - reduced.Y * system.point_gradient;
-    scatter(system.columns, gradient * gradient.transpose(), scattered);
-  }
+  result.shared_noise = shared_noise_of(moments, covariance.shared_noise);
+  NoiseShares shares = {result.shared_noise, 0.0};
   const Eigen::MatrixXd priors = prior_information(scene, constraints, columns);
-  S += priors;
-  const SymmetricInverse inverse = invert_symmetric(S);
-  result.free_directions = inverse.nullity;
-  const double expected = inverse.inverse.cwiseProduct(B).sum();
+  const ReducedSums noisy = sum_points(builder, N, columns.size, shares, 0.0);
+  const Eigen::MatrixXd noisy_S = noisy.S + priors;
+  const SymmetricInverse noisy_inverse = invert_symmetric(noisy_S);
+  result.free_directions = noisy_inverse.nullity;
+  const double expected = noisy_inverse.inverse.cwiseProduct(noisy.B).sum();
   result.variance =
       expected > 0.0
-          ? scattered_variance(moments, inverse.inverse.cwiseProduct(scattered).sum(), expected)
-          : variance_of(moments, num_parameters);
-  B += priors;
-  result.variance *= gradient_noise_factor(
-      scene.interpolation, (1.0 - result.shared_noise) * result.variance,
-      inverse.inverse.cwiseProduct(steep).sum() / double(std::max<std::int64_t>(columns.size, 1)));
-  const Eigen::MatrixXd of_columns = inverse.inverse * B * inverse.inverse;
+          ? scattered_variance(moments, noisy_inverse.inverse.cwiseProduct(noisy.scattered).sum(),
+                               expected)
+          : variance_of(moments, static_cast<double>(columns.size) + noisy.num_free);
+  shares.prior = covariance.prior_unit > 0.0 ? covariance.prior_unit / result.variance : 1.0;
+
+  const double gradient_variance =
+      SampledNoise(scene.interpolation, covariance.presmooth).mean_gradient() *
+      (1.0 - result.shared_noise) * result.variance;
+  const ReducedSums sums = sum_points(builder, N, columns.size, shares, gradient_variance);
+  const Eigen::MatrixXd S_inverse =
+      invert_symmetric(without_gradient_noise(noisy_S, noisy_inverse.inverse, sums.S + priors))
+          .inverse;
+  const Eigen::MatrixXd of_columns = S_inverse * (sums.B + shares.prior * priors) * S_inverse;
   result.poses = result.variance * pose_covariance(columns, of_columns);
   if (!covariance.points) return result;
 
   result.points.resize(N, 9);
   for (std::int64_t p = 0; p < N; ++p) {
     const PointSystem& system = builder.build(p);
-    const ReducedPoint reduced(system);
+    const ReducedPoint reduced(without_gradient_noise(system, gradient_variance));
     Matrix3 C = Matrix3::Constant(std::numeric_limits<double>::quiet_NaN());
     if (reduced.nullity == 0 && !system.columns.empty()) {
       fill_point(world_point_motion(scene, columns, system, p), system, reduced,
-                 point_noise(system, reduced, result.shared_noise), inverse.inverse, of_columns, C);
+                 point_noise(system, reduced, shares), S_inverse, of_columns, C);
     }
     result.points.row(p) = result.variance * Eigen::Map<const Rows<double, 9>>(C.data(), 1, 9);
   }

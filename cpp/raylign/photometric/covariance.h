@@ -13,6 +13,10 @@ struct CovarianceOptions {
   /// Share of a residual's variance that is noise of the patch, the same in every image, in [0, 1];
   /// negative: estimated from how the residuals of a pixel agree between images.
   double shared_noise = -1.0;
+  double presmooth = 0.0;  ///< σ of the Gaussian that the images were smoothed with, px; >= 0
+  /// What the information of a prior was multiplied with to become one of the cost, grey²; 0: the
+  /// residuals' own variance.
+  double prior_unit = 0.0;
 };
 
 /// How well a minimum of a PatchScene is known.
@@ -37,7 +41,8 @@ struct PhotometricCovariance {
 ///
 ///   C = v H⁻¹ B H⁻¹,   B = Σ √w √w′ j j′ᵀ ((1 − s) δ_vv′ + s)   over images v, v′ of each pixel,
 ///
-/// s = shared_noise; the image that a patch was read from has none of either. The scale v comes
+/// s = shared_noise; the image that a patch was read from has none of either. What noise of the
+/// images adds to the squares of their gradients is taken out of H. The scale v comes
 /// from how the gradients g = Σ w j r of the points scatter once the point itself is eliminated: it
 /// is tr(S⁻¹ Σ g gᵀ) over what B makes of it, times (E[w] / E[ψ′])², ψ = w r (Huber, Robust
 /// Statistics, 1981, §7.6). Unlike the variance of single residuals that counts what they have in

@@ -141,7 +141,7 @@ bool PointSystemBuilder::fill(std::int64_t point,
   const auto weights = pixel_weights(edge, sample, n, loss_, scope_);
   for (int i = 0; i < n; ++i) {
     rows.counts[i] = weights[i] > 0.0;
-    rows.steepness += weights[i] * step * step;
+    if (!rows.is_host) rows.steepness += weights[i] * step * step;
     const double root = rows.s * std::sqrt(weights[i]);
     rows.point.row(i) = -root * gradient(sample, i) * motion.point.leftCols(num_free);
     rows.camera.row(i) *= root;

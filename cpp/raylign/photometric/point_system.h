@@ -42,7 +42,8 @@ struct PointSystem {
   /// Σ w j r, without that of the prior.
   Eigen::VectorXd gradient;                              ///< (L,)
   Eigen::Matrix<double, -1, 1, 0, 3, 1> point_gradient;  ///< (d,)
-  /// What gradients of variance 1 per pixel of the image, in each direction, add to H, W and V.
+  /// What gradients of variance 1 per pixel of the image, in each direction, add to H, W and V. Not
+  /// of the host, where the patch has the same noise.
   Eigen::MatrixXd steep_H;
   PointColumns steep_W;
   PointBlock steep_V;

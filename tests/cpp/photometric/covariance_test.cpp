@@ -5,12 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
 #include "raylign/base/error.h"
+#include "raylign/geometry/se3.h"
 #include "raylign/parametrization/pose_update.h"
 #include "raylign/photometric/cramer_rao.h"
+#include "raylign/photometric/sampled_noise.h"
 #include "support/patch_scenes.h"
 
 namespace raylign::test {
@@ -31,8 +34,9 @@ class DenseScene {
       if (!held.intrinsics[k / 4][k % 4]) intrinsics_.push_back(static_cast<int>(k));
     }
     d_ = scene.inverse_depth ? 1 : 3;
-    J_.resize(residuals(scene).size(), num_parameters());
-    for (Eigen::Index k = 0; k < J_.cols(); ++k) J_.col(k) = column(k);
+    J_ = numeric([&](const PatchScene& at) { return residuals(at); });
+    const Eigen::MatrixXd J = numeric([&](const PatchScene& at) { return prior_residuals(at); });
+    priors_ = J.transpose() * J;
   }
 
   Eigen::Index num_camera_parameters() const {
@@ -40,6 +44,8 @@ class DenseScene {
   }
   Eigen::Index num_parameters() const { return num_camera_parameters() + d_ * scene_.num_points(); }
   const Eigen::MatrixXd& J() const { return J_; }
+  /// What the priors add to the normal equations.
+  const Eigen::MatrixXd& priors() const { return priors_; }
   Eigen::VectorXd residuals() const { return residuals(scene_); }
   Eigen::VectorXd residuals(const PatchScene& scene) const {
     std::vector<double> all;
@@ -70,38 +76,42 @@ class DenseScene {
   }
 
   /// Scatter of the points' gradients, what the point can follow taken out, over what `noise` makes
-  /// of it, both measured by the information of the cameras; and what noise of the images'
-  /// gradients makes of that, (1 − s) of the variance being theirs.
-  double variance(const Eigen::MatrixXd& noise, double s) const {
+  /// of it, both measured by the information of the cameras.
+  double variance(const Eigen::MatrixXd& noise) const {
     const Eigen::Index c = num_camera_parameters();
     const Eigen::VectorXd r = residuals();
-    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(c, c);
-    Eigen::MatrixXd found = S;
-    Eigen::MatrixXd expected = S;
-    Eigen::MatrixXd steep = S;
+    Eigen::MatrixXd S = priors_.topLeftCorner(c, c);
+    Eigen::MatrixXd found = Eigen::MatrixXd::Zero(c, c);
+    Eigen::MatrixXd expected = found;
     for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
       const Eigen::Index row = scene_.pattern.size() * scene_.starts[p];
       const Eigen::Index rows = scene_.pattern.size() * scene_.starts[p + 1] - row;
       const Eigen::MatrixXd J_c = J_.block(row, 0, rows, c);
       const Eigen::MatrixXd J_p = J_.block(row, c + d_ * p, rows, d_);
-      const Eigen::MatrixXd V = J_p.transpose() * J_p;
+      const Eigen::MatrixXd V =
+          J_p.transpose() * J_p + priors_.block(c + d_ * p, c + d_ * p, d_, d_);
       const Eigen::MatrixXd follow = V.ldlt().solve(J_p.transpose() * J_c);
       const Eigen::MatrixXd Z = J_c - J_p * follow;
       const Eigen::VectorXd g = Z.transpose() * r.segment(row, rows);
       S += Z.transpose() * J_c;
       found += g * g.transpose();
       expected += Z.transpose() * noise.block(row, row, rows, rows) * Z;
+    }
+    return S.ldlt().solve(found).trace() / S.ldlt().solve(expected).trace();
+  }
+
+  /// What gradients of variance one in each direction, in all images but the hosts, add to JᵀJ.
+  Eigen::MatrixXd gradient_noise() const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_parameters(), num_parameters());
+    for (std::int64_t p = 0; p < scene_.num_points(); ++p) {
       for (std::int64_t e = scene_.starts[p]; e < scene_.starts[p + 1]; ++e) {
+        if (scene_.edges[e].image == scene_.hosts[p]) continue;
         const Eigen::MatrixXd M = projection_jacobian(p, scene_.edges[e]);
-        const Eigen::MatrixXd Z_uv = M.leftCols(c) - M.middleCols(c + d_ * p, d_) * follow;
         const EdgeBrightness b = edge_brightness(scene_, p, scene_.edges[e]);
-        steep += scene_.pattern.size() * std::pow(b.scale * b.gain, 2) * Z_uv.transpose() * Z_uv;
+        sum += scene_.pattern.size() * std::pow(b.scale * b.gain, 2) * M.transpose() * M;
       }
     }
-    const double v = S.ldlt().solve(found).trace() / S.ldlt().solve(expected).trace();
-    const double of_images = 2.163 * (1.0 - s) * v;  // cubic B-spline
-    const double rest = 1.0 - of_images * S.ldlt().solve(steep).trace() / double(c);
-    return v / (rest * rest);
+    return sum;
   }
 
   /// (6, 6) of the k-th free pose.
@@ -158,9 +168,35 @@ class DenseScene {
     }
     return M;
   }
-  Eigen::VectorXd column(Eigen::Index k) const {
+  template <typename F>
+  Eigen::MatrixXd numeric(const F& f) const {
     const double h = 1e-6;
-    return (residuals(moved(scene_, k, h)) - residuals(moved(scene_, k, -h))) / (2.0 * h);
+    Eigen::MatrixXd J(f(scene_).size(), num_parameters());
+    for (Eigen::Index k = 0; k < J.cols(); ++k) {
+      J.col(k) = (f(moved(scene_, k, h)) - f(moved(scene_, k, -h))) / (2.0 * h);
+    }
+    return J;
+  }
+  // Priors as residuals of unit weight.
+  Eigen::VectorXd prior_residuals(const PatchScene& scene) const {
+    std::vector<double> all;
+    const auto add = [&](const auto& information, const auto& difference) {
+      const Eigen::VectorXd r = information.llt().matrixU() * difference;
+      all.insert(all.end(), r.data(), r.data() + r.size());
+    };
+    for (const PosePrior& prior : held_.pose_priors) {
+      const Matrix4 T = scene.poses[prior.image].matrix() * se3_inverse(prior.T_cw);
+      add(prior.information, se3_log(T));
+    }
+    for (const PatchPointPrior& prior : held_.point_priors) {
+      const Vector3 x = scene.points.row(prior.point).transpose() - prior.value;
+      add(prior.information.topLeftCorner(d_, d_).eval(), x.head(d_).eval());
+    }
+    for (const auto& [image, k] : brightness_) {
+      const double weight = k == 0 ? held_.weight_a : held_.weight_b;
+      all.push_back(std::sqrt(weight) * scene.brightness(image, k));
+    }
+    return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
   }
 
   const PatchScene& scene_;
@@ -169,13 +205,15 @@ class DenseScene {
   std::vector<std::pair<std::int64_t, int>> brightness_;
   std::vector<int> intrinsics_;
   Eigen::Index d_ = 3;
-  Eigen::MatrixXd J_;
+  Eigen::MatrixXd J_, priors_;
 };
 
-Eigen::MatrixXd sandwich(const Eigen::MatrixXd& J, const Eigen::MatrixXd& noise) {
-  const Eigen::MatrixXd H = J.transpose() * J;
-  const Eigen::MatrixXd inverse = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
-  return inverse * (J.transpose() * noise * J) * inverse;
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& H) {
+  return H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
+}
+
+Eigen::MatrixXd sandwich(const Eigen::MatrixXd& H, const Eigen::MatrixXd& B) {
+  return inverse_of(H) * B * inverse_of(H);
 }
 
 template <typename A, typename B>
@@ -192,7 +230,24 @@ struct Case {
   bool hosted, inverse_depth, brightness, intrinsics;
   double share;
   double noise_ratio = 0.0;
+  bool priors = false;
 };
+
+// Priors of about the weight that the images have.
+void add_priors(const PatchScene& scene, PatchConstraints& held) {
+  Vector6 xi;
+  xi << 0.004, -0.002, 0.003, 0.001, -0.002, 0.001;
+  Matrix6 information = Matrix6::Identity() * 3e6;
+  information(1, 3) = information(3, 1) = 8e5;
+  held.pose_priors.push_back({1, se3_exp(xi) * scene.poses[1].matrix(), information});
+  Matrix3 of_point = Matrix3::Identity() * 4e5;
+  of_point(0, 2) = of_point(2, 0) = 1e5;
+  held.point_priors.push_back(
+      {5, scene.points.row(5).transpose() + Vector3(2e-3, 0.0, 0.0), of_point});
+  held.weight_a = 1e5;
+  held.weight_b = 3.0;
+}
+
 class CovarianceTest : public testing::TestWithParam<Case> {
  protected:
   PatchSceneOptions scene_options() const {
@@ -203,7 +258,7 @@ class CovarianceTest : public testing::TestWithParam<Case> {
     options.inverse_depth = GetParam().inverse_depth;
     options.brightness = GetParam().brightness;
     options.noise_ratio = GetParam().noise_ratio;
-    options.sigma = 2.0;
+    options.sigma = 0.5;  // nowhere is half of what gradients say their noise
     return options;
   }
 };
@@ -213,26 +268,36 @@ INSTANTIATE_TEST_SUITE_P(All,
                                          Case{"stored_shared", false, false, true, false, 0.4},
                                          Case{"xyz", true, false, true, true, 0.5},
                                          Case{"noise_of_both", true, false, true, false, 0.5, 0.8},
+                                         Case{"priors", true, false, true, false, 0.5, 0.0, true},
+                                         Case{"inverse_depth_priors", true, true, true, false, 0.5,
+                                              0.0, true},
                                          Case{"inverse_depth", true, true, true, false, 0.5},
                                          Case{"intrinsics", true, true, false, true, 0.3}),
                          [](const auto& test) { return test.param.name; });
 
 TEST_P(CovarianceTest, IsTheInverseOfAllUnknownsAtOnce) {
   const PatchScene scene = patch_case(scene_options()).truth;
-  const PatchConstraints held =
-      patch_constraints(scene, GetParam().brightness, GetParam().intrinsics);
+  PatchConstraints held = patch_constraints(scene, GetParam().brightness, GetParam().intrinsics);
+  if (GetParam().priors) add_priors(scene, held);
   PatchSolveOptions options;  // TRIVIAL
   CovarianceOptions wanted;
   wanted.points = true;
   wanted.shared_noise = GetParam().share;
+  wanted.prior_unit = 3.0;
   const PhotometricCovariance covariance = photometric_covariance(scene, held, options, wanted);
   EXPECT_EQ(covariance.free_directions, 0);
 
   const DenseScene dense(scene, held);
   const Eigen::MatrixXd noise = dense.noise(GetParam().share);
-  EXPECT_NEAR(covariance.variance / dense.variance(noise, GetParam().share), 1.0, 1e-5);
-
-  const Eigen::MatrixXd C = covariance.variance * sandwich(dense.J(), noise);
+  const double v = dense.variance(noise);
+  EXPECT_NEAR(covariance.variance / v, 1.0, 1e-5);
+  const double of_gradients =
+      (1.0 - GetParam().share) * v * SampledNoise(scene.interpolation).mean_gradient();
+  const Eigen::MatrixXd H =
+      dense.J().transpose() * dense.J() + dense.priors() - of_gradients * dense.gradient_noise();
+  const Eigen::MatrixXd B =
+      v * dense.J().transpose() * noise * dense.J() + wanted.prior_unit * dense.priors();
+  const Eigen::MatrixXd C = sandwich(H, B);
   for (std::size_t k = 0; k < dense.num_free_poses(); ++k) {
     const auto j = static_cast<Eigen::Index>(dense.free_pose(k));
     EXPECT_LT(relative_difference(covariance.poses.block(6 * j, 6 * j, 6, 6),
@@ -244,6 +309,53 @@ TEST_P(CovarianceTest, IsTheInverseOfAllUnknownsAtOnce) {
     const Matrix3 expected = G * C * G.transpose();
     EXPECT_LT(relative_difference(matrix3(covariance.points, p), expected), 1e-5) << p;
   }
+}
+
+// A camera that no edge belongs to is known as its prior says, whatever the residuals are.
+TEST(PhotometricCovariance, OfAPriorAloneIsThePrior) {
+  PatchSceneOptions scene_options;
+  scene_options.num_points = 20;
+  scene_options.hosted = false;
+  scene_options.sigma = 2.0;
+  PatchScene scene = patch_case(scene_options).truth;
+  constexpr std::int32_t kBlind = 2;
+  PatchScene rest = scene;
+  rest.edges.clear();
+  for (std::int64_t p = 0; p < scene.num_points(); ++p) {
+    for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
+      if (scene.edges[e].image != kBlind) rest.edges.push_back(scene.edges[e]);
+    }
+    rest.starts[p + 1] = rest.num_edges();
+  }
+  PatchConstraints held = patch_constraints(scene);
+  Matrix6 C = Matrix6::Identity() * 1e-4;
+  C(0, 5) = C(5, 0) = 4e-5;
+  const double unit = 7.0;
+  held.pose_priors.push_back({kBlind, scene.poses[kBlind].matrix(), unit * C.inverse()});
+  CovarianceOptions options;
+  options.prior_unit = unit;
+  const PhotometricCovariance covariance = photometric_covariance(rest, held, {}, options);
+  EXPECT_EQ(covariance.free_directions, 0);
+  EXPECT_LT(relative_difference(Matrix6(covariance.poses.block<6, 6>(6 * kBlind, 6 * kBlind)), C),
+            1e-9);
+}
+
+TEST(PhotometricCovariance, SmoothedImagesHaveLessGradientNoise) {
+  PatchSceneOptions scene_options;
+  scene_options.num_points = 20;
+  scene_options.sigma = 2.0;
+  const PatchScene scene = patch_case(scene_options).truth;
+  const PatchConstraints held = patch_constraints(scene);
+  CovarianceOptions sharp, smooth;
+  smooth.presmooth = 0.7;
+  const PhotometricCovariance a = photometric_covariance(scene, held, {}, sharp);
+  const PhotometricCovariance b = photometric_covariance(scene, held, {}, smooth);
+  EXPECT_LT(b.poses.trace(), 0.99 * a.poses.trace());
+  EXPECT_EQ(a.variance, b.variance);
+  EXPECT_LT(SampledNoise(scene.interpolation, 0.7).mean_gradient(),
+            0.1 * SampledNoise(scene.interpolation).mean_gradient());
+  smooth.presmooth = -1.0;
+  EXPECT_THROW(photometric_covariance(scene, held, {}, smooth), OptionsError);
 }
 
 TEST(CramerRao, IsTheInverseInformation) {
@@ -258,9 +370,7 @@ TEST(CramerRao, IsTheInverseInformation) {
   options.is_rounded = true;
   const CramerRaoBound bound = cramer_rao(scene, held, options);
   const DenseScene dense(scene, held);
-  const Eigen::MatrixXd C =
-      (9.0 + 1.0 / 12.0) *
-      sandwich(dense.J(), Eigen::MatrixXd::Identity(dense.J().rows(), dense.J().rows()));
+  const Eigen::MatrixXd C = (9.0 + 1.0 / 12.0) * inverse_of(dense.J().transpose() * dense.J());
   for (std::size_t k = 0; k < dense.num_free_poses(); ++k) {
     const auto j = static_cast<Eigen::Index>(dense.free_pose(k));
     const Matrix6 expected = DenseScene::pose(C, static_cast<Eigen::Index>(k));
@@ -300,7 +410,7 @@ TEST(CramerRao, NoisyPatchesAreUnknownGreyValues) {
       }
     }
   }
-  const Eigen::MatrixXd C = 4.0 * sandwich(J, Eigen::MatrixXd::Identity(J.rows(), J.rows()));
+  const Eigen::MatrixXd C = 4.0 * inverse_of(J.transpose() * J);
   CramerRaoOptions bound_options;
   bound_options.sigma = 2.0;
   bound_options.has_noisy_patches = true;
