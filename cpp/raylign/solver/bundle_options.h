@@ -34,7 +34,7 @@ enum class PointParametrization {
 /// How NATIVE keeps the Jacobian between the passes of an iteration. All arithmetic is in double
 /// either way, and the minimum is the same: the gradient is never rounded.
 enum class JacobianStorage {
-  AUTO,    ///< FLOAT above a million observations
+  AUTO,    ///< least squares: none, computed again; else FLOAT above a million observations
   DOUBLE,  ///< 96 bytes per observation
   FLOAT,   ///< 48 bytes; DOUBLE from the moment on when steps suffer (Summary::jacobian_storage)
 };

@@ -63,7 +63,7 @@ struct Summary {
   int num_effective_parameters = 0;  ///< tangent dimension of everything that may move
   LinearSolverType linear_solver = LinearSolverType::AUTO;  ///< what ran (never AUTO after a solve)
   std::string linear_solver_reason;                         ///< why AUTO picked it, or "requested"
-  std::string jacobian_storage = "double";  ///< or "float", "float, then double: why"
+  std::string jacobian_storage = "double";  ///< or "none", "float", "float, then double: why"
   int num_threads = 0;
   bool deterministic = false;  ///< same input, same bits, on this machine
   double preprocessor_time_s = 0.0;

@@ -99,10 +99,46 @@ TEST(FloatJacobian, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(FloatJacobian, IsTakenAboveAMillionObservations) {
-  EXPECT_FALSE(JacobianTable(JacobianStorage::AUTO, 1'000'000).is_rounded());
-  EXPECT_TRUE(JacobianTable(JacobianStorage::AUTO, 1'000'001).is_rounded());
-  EXPECT_FALSE(JacobianTable(JacobianStorage::DOUBLE, 1'000'001).is_rounded());
-  EXPECT_TRUE(JacobianTable(JacobianStorage::FLOAT, 1).is_rounded());
+  EXPECT_FALSE(JacobianTable(JacobianStorage::AUTO, true, 1'000'000).is_rounded());
+  EXPECT_TRUE(JacobianTable(JacobianStorage::AUTO, true, 1'000'001).is_rounded());
+  EXPECT_FALSE(JacobianTable(JacobianStorage::DOUBLE, false, 1'000'001).is_rounded());
+  EXPECT_TRUE(JacobianTable(JacobianStorage::FLOAT, false, 1).is_rounded());
+}
+
+TEST(NoJacobian, IsTakenForLeastSquares) {
+  JacobianTable none(JacobianStorage::AUTO, false, 1'000'001);
+  EXPECT_FALSE(none.is_stored());
+  EXPECT_FALSE(none.wants_double());
+  EXPECT_EQ(none.view().exact, nullptr);
+  EXPECT_EQ(none.view().rounded, nullptr);
+  EXPECT_EQ(none.description(), "none");
+  for (const auto wanted : {JacobianStorage::DOUBLE, JacobianStorage::FLOAT}) {
+    EXPECT_TRUE(JacobianTable(wanted, false, 1).is_stored());
+  }
+}
+
+// J computed again is the J of the table, in every pass and product.
+TEST(NoJacobian, TakesTheStepsOfTheTable) {
+  for (const bool explicit_schur : {false, true}) {
+    for (const auto type : {LinearSolverType::DENSE_SCHUR, LinearSolverType::ITERATIVE_SCHUR}) {
+      BundleOptions options = options_of(JacobianStorage::AUTO);
+      options.linear_solver.type = type;
+      options.linear_solver.explicit_schur =
+          explicit_schur && type == LinearSolverType::ITERATIVE_SCHUR;
+      BalProblem none = far_problem();
+      BalProblem stored = none;
+      const Summary summary = adjust(none, {}, options);
+      options.jacobian_storage = JacobianStorage::DOUBLE;
+      const Summary reference = adjust(stored, {}, options);
+      EXPECT_EQ(summary.jacobian_storage, "none");
+      ASSERT_EQ(summary.iterations.size(), reference.iterations.size());
+      for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_NEAR(summary.iterations[k].cost, reference.iterations[k].cost,
+                    1e-9 * reference.iterations[k].cost);
+      }
+      EXPECT_NEAR(summary.final_cost, reference.final_cost, 1e-9 * reference.final_cost);
+    }
+  }
 }
 
 LmSolve solved(int iterations) {
@@ -120,7 +156,7 @@ LmTrial trial(double cost, double model_decrease) {
 }
 
 TEST(FloatJacobian, GivesWayWhenStepsSuffer) {
-  const auto table = [] { return JacobianTable(JacobianStorage::FLOAT, 3); };
+  const auto table = [] { return JacobianTable(JacobianStorage::FLOAT, false, 3); };
   JacobianTable unsolved = table();
   unsolved.observe(LmSolve{});
   EXPECT_TRUE(unsolved.wants_double());

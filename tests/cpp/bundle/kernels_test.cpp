@@ -126,6 +126,11 @@ class Subtraction : public testing::TestWithParam<bool> {  // long tracks: no pl
   const ProductPlan plan_{fixture_.layout, pattern_};
 
   void expect_definition(SubtractLandmarks* subtract) const {
+    expect_definition(subtract, fixture_.jacobians());
+    expect_definition(subtract, {nullptr, nullptr});  // J computed again
+  }
+
+  void expect_definition(SubtractLandmarks* subtract, const Jacobians& J) const {
     const Fixture& s = fixture_;
     std::vector<LandmarkFactor> factors(s.blocks.size());
     auto rng = test::make_rng("factors");
@@ -143,7 +148,7 @@ class Subtraction : public testing::TestWithParam<bool> {  // long tracks: no pl
     const DampedProblem problem{s.layout.observations(),
                                 s.cameras.packets(),
                                 s.X.data(),
-                                s.jacobians(),
+                                J,
                                 s.blocks.data(),
                                 factors.data(),
                                 nullptr,

@@ -14,15 +14,24 @@ constexpr int kPatience = 2;
 
 }  // namespace
 
-JacobianTable::JacobianTable(JacobianStorage wanted, std::int64_t num_observations)
+JacobianTable::JacobianTable(JacobianStorage wanted,
+                             bool is_weighted,
+                             std::int64_t num_observations)
     : num_observations_(num_observations),
-      is_rounded_(wanted == JacobianStorage::FLOAT ||
-                  (wanted == JacobianStorage::AUTO && num_observations > kManyObservations)) {
+      is_stored_(wanted != JacobianStorage::AUTO || is_weighted),
+      is_rounded_(is_stored_ && wanted != JacobianStorage::DOUBLE &&
+                  (wanted == JacobianStorage::FLOAT || num_observations > kManyObservations)) {
+  if (!is_stored_) return;
   if (is_rounded_) {
     rounded_.resize(num_observations);
   } else {
     exact_.resize(num_observations);
   }
+}
+
+Jacobians JacobianTable::view() {
+  if (!is_stored_) return {nullptr, nullptr};
+  return {exact_.data(), is_rounded_ ? rounded_.data() : nullptr};
 }
 
 void JacobianTable::observe(const LmSolve& step) {
@@ -51,6 +60,7 @@ void JacobianTable::promote() {
 }
 
 std::string JacobianTable::description() const {
+  if (!is_stored_) return "none";
   if (is_rounded_) return "float";
   return complaint_.empty() ? "double" : "float, then double: " + complaint_;
 }

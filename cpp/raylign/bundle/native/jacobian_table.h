@@ -13,15 +13,18 @@
 namespace raylign::native {
 
 /// J of all observations, in double or rounded to float, and the rule by which the rounded table
-/// gives way to the other one, for good: the numbers say that the steps suffer.
+/// gives way to the other one, for good: the numbers say that the steps suffer. Or no table at all:
+/// the kernels compute J again where they need it, in the time that reading it would take.
 class JacobianTable {
  public:
   /// AUTO rounds above this number of observations.
   static constexpr std::int64_t kManyObservations = 1'000'000;
 
-  JacobianTable(JacobianStorage wanted, std::int64_t num_observations);
+  /// @param is_weighted  a robust law's weights are in J; AUTO has no table without them
+  JacobianTable(JacobianStorage wanted, bool is_weighted, std::int64_t num_observations);
 
-  Jacobians view() { return {exact_.data(), is_rounded_ ? rounded_.data() : nullptr}; }
+  Jacobians view();
+  bool is_stored() const { return is_stored_; }
   bool is_rounded() const { return is_rounded_; }
 
   /// What a step of damping λ, solved or tried from a state of that cost, says of the table.
@@ -37,6 +40,7 @@ class JacobianTable {
 
  private:
   std::int64_t num_observations_;
+  bool is_stored_;
   bool is_rounded_;
   Table<ObservationJacobian> exact_;
   Table<RoundedJacobian> rounded_;

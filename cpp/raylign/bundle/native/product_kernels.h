@@ -18,14 +18,19 @@ void multiply_rows(const std::int64_t* starts,
                    const double* x,
                    double* y);
 
+/// What one step along four tracks leaves for the way back.
+struct alignas(32) ProductScratch {
+  double values[92];
+};
+
 /// y += Σ Fᵀ(F x − A W Wᵀ Σ Aᵀ F x) over landmarks [begin, end): their part of S x, undamped, S not
-/// formed. x and y: (C, kRow), canonical tangent. `scratch`: (2 · max_track_length,).
+/// formed. x and y: (C, kRow), canonical tangent. `scratch`: (max_track_length,).
 void multiply_landmarks(const DampedProblem& problem,
                         std::int64_t begin,
                         std::int64_t end,
                         const double* x,
                         double* y,
-                        double* scratch);
+                        ProductScratch* scratch);
 
 /// y = B x for one block.
 void multiply_block(const Block& B, const double* x, double* y);

@@ -3,6 +3,7 @@
 #include "raylign/bundle/native/reprojection_problem.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -47,7 +48,9 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
       held_(landmark_masks(layout_, held)),
       cameras_(scene, options.pose_parametrization, held, layout_.observed, frame_),
       pool_(options.lm.num_threads),
-      J_(options.jacobian_storage, layout_.num_observations()),
+      J_(options.jacobian_storage,
+         options.loss.type != LossType::TRIVIAL,
+         layout_.num_observations()),
       solver_(make_linear_solver(options.linear_solver, {layout_, cameras_, pool_}, interrupted)) {
   const std::int64_t num_landmarks = layout_.num_landmarks();
   load_points(scene);
@@ -63,8 +66,8 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
   camera_sums_.resize(layout_.num_cameras);
   chunk_states_.resize(num_chunks);
   chunk_trials_.resize(num_chunks);
-  chunk_scratch_.assign(num_chunks, Table<TrialScratch>(layout_.max_track_length()));
-  chunk_rows_.assign(num_chunks, Table<CameraRows>(layout_.max_window()));
+  trial_scratch_.assign(pool_.num_threads(), Table<TrialScratch>(layout_.max_track_length()));
+  row_scratch_.assign(pool_.num_threads(), Table<CameraRows>(layout_.max_window()));
   const auto columns = static_cast<std::size_t>(cameras_.num_columns());
   for (auto* table : {&camera_gradient_, &camera_diagonal_, &camera_scales_, &damping_, &delta_}) {
     table->resize(columns);
@@ -103,8 +106,17 @@ LmState ReprojectionProblem::linearize() {
   return state;
 }
 
+// Calls task(chunk, worker): the workers share the chunks, each has its scratch.
+template <typename Task>
+void ReprojectionProblem::for_each_chunk(const Task& task) {
+  std::atomic<int> next{0};
+  pool_.run(pool_.num_threads(), [&](int worker) {
+    for (int g = next++; g < layout_.num_chunks(); g = next++) task(g, worker);
+  });
+}
+
 LmState ReprojectionProblem::linearize_chunks() {
-  pool_.run(layout_.num_chunks(), [&](int g) { linearize_chunk(g); });
+  for_each_chunk([&](int g, int worker) { linearize_chunk(g, row_scratch_[worker].data()); });
   LmState state{0.0, 0.0};
   for (const LmState& chunk : chunk_states_) {
     state.cost += chunk.cost;
@@ -113,11 +125,11 @@ LmState ReprojectionProblem::linearize_chunks() {
   return state;
 }
 
-void ReprojectionProblem::linearize_chunk(int g) {
+void ReprojectionProblem::linearize_chunk(int g, CameraRows* scratch) {
   LmState& state = chunk_states_[g];
   std::fill(chunk_cameras_[g].begin(), chunk_cameras_[g].end(), CameraSums{});
   const LinearizationTables tables{J_.view(), landmark_blocks_.data(), chunk_cameras_[g].data(),
-                                   chunk_first_camera_[g], chunk_rows_[g].data()};
+                                   chunk_first_camera_[g], scratch};
   state.cost = native::linearize(this->state(), layout_.chunk_windows[g],
                                  layout_.chunk_windows[g + 1], tables);
   state.gradient_max_norm = largest_gradient(landmark_blocks_.data(), held_points(),
@@ -248,9 +260,9 @@ LmTrial ReprojectionProblem::try_step() {
                        canonical_delta_.data(),
                        X_trial_.data(),
                        !options_.parity};
-  pool_.run(layout_.num_chunks(), [&](int g) {
-    chunk_trials_[g] =
-        try_landmarks(step, layout_.chunks[g], layout_.chunks[g + 1], chunk_scratch_[g].data());
+  for_each_chunk([&](int g, int worker) {
+    chunk_trials_[g] = try_landmarks(step, layout_.chunks[g], layout_.chunks[g + 1],
+                                     trial_scratch_[worker].data());
   });
   TrialSums sums;
   for (const TrialSums& chunk : chunk_trials_) {

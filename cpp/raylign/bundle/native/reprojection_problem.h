@@ -67,7 +67,9 @@ class ReprojectionProblem {
   LmSolve solve_once(double lambda, bool tight);
   void promote_jacobians();
   LmState linearize_chunks();
-  void linearize_chunk(int chunk);
+  void linearize_chunk(int chunk, CameraRows* scratch);
+  template <typename Task>
+  void for_each_chunk(const Task& task);
   double sum_cameras();
   void sum_camera(int i);
   void set_scales();
@@ -93,8 +95,8 @@ class ReprojectionProblem {
   std::vector<LmState> chunk_states_;
   std::vector<CameraSums> camera_sums_;
   std::vector<TrialSums> chunk_trials_;
-  std::vector<Table<TrialScratch>> chunk_scratch_;
-  std::vector<Table<CameraRows>> chunk_rows_;
+  std::vector<Table<TrialScratch>> trial_scratch_;  // one per thread
+  std::vector<Table<CameraRows>> row_scratch_;
 
   std::vector<double> camera_gradient_, camera_diagonal_, camera_scales_, damping_;  // user columns
   std::vector<double> delta_;                                                        // user columns

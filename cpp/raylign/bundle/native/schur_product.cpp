@@ -51,7 +51,7 @@ MatrixFreeProduct::MatrixFreeProduct(const SolverContext& context) : context_(co
   const auto num_chunks = static_cast<std::size_t>(context.layout.num_chunks());
   canonical_.resize(rows);
   sums_.assign(num_chunks, std::vector<double>(rows));
-  scratch_.assign(num_chunks, std::vector<double>(2 * context.layout.max_track_length()));
+  scratch_.assign(num_chunks, Table<ProductScratch>(context.layout.max_track_length()));
 }
 
 void MatrixFreeProduct::prepare(const SchurSystem&, const DampedProblem& problem) {

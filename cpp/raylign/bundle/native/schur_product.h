@@ -42,9 +42,9 @@ class MatrixFreeProduct : public SchurProduct {
  private:
   SolverContext context_;
   DampedProblem problem_{};
-  std::vector<double> canonical_;             // (C, kRow) B x
-  std::vector<std::vector<double>> sums_;     // (G,) of (C, kRow)
-  std::vector<std::vector<double>> scratch_;  // (G,)
+  std::vector<double> canonical_;               // (C, kRow) B x
+  std::vector<std::vector<double>> sums_;       // (G,) of (C, kRow)
+  std::vector<Table<ProductScratch>> scratch_;  // (G,)
 };
 
 }  // namespace raylign::native
