@@ -61,7 +61,7 @@ struct OdometryOptions {
   double min_depth_agreement = 0.8;
   /// Without the depth term, a pose is not believed when the frame's depth by itself would move it
   /// by more: share of the mean depth and rad; > 0.
-  double max_depth_step = 0.03;
+  double max_depth_step = 0.015;
 
   /// TrackingOptions with a fixed weight of the depth term, 60: on real sequences the weight that
   /// is estimated from single pairs comes out too small and jumps (docs/benchmarks-tracking.md).

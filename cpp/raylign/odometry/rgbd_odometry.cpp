@@ -21,9 +21,7 @@ constexpr std::size_t kFinalists = 2;
 // more often.
 constexpr double kReadoutTolerance = 0.1;
 constexpr int kMaxRealignments = 3;
-// Share of max_depth_step above which a pose is looked for where the depth has it, too.
-constexpr double kDoubtfulStep = 0.5;
-// It must then agree with depth much better.
+// A pose that stands beside one too far from where depth has the camera must be nearer by much.
 constexpr double kMuchBetter = 0.5;
 
 TrackingOptions on_coarsest_level(TrackingOptions options) {
@@ -204,7 +202,7 @@ bool RgbdOdometry::try_start(Placed& reference,
                              OdometryResult& result) {
   Found found = align(aligner_, reference, frame, T_cw);
   ++result.num_alignments;
-  if (found.depth_step > kDoubtfulStep * options_.max_depth_step) {
+  if (found.depth_step > options_.max_depth_step) {
     // what the intensities follow may move by itself; beside it lies the world that depth shows
     Found other = align(fine_aligner_, reference, frame, found.T_cw_by_depth);
     ++result.num_alignments;
