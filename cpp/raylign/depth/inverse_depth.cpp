@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include "raylign/base/error.h"
 #include "raylign/depth/inverse_depth_kernels.h"
@@ -102,15 +103,24 @@ float* InverseDepthConverter::ring_row(std::vector<float>& ring, int v, int widt
 // The minimum and maximum over a window of radius r are those of radius 1, r times over: here along
 // the row, in finish_row across rows.
 void InverseDepthConverter::start_row(const float* D, int v, int width) {
+  const auto scratch_row = [&](std::vector<float>& ring) {
+    return ring.data() + std::int64_t{2 * model_.edge_radius + 1} * width;
+  };
   float* low = ring_row(low_, v, width);
   float* high = ring_row(high_, v, width);
+  float* other_low = scratch_row(low_);
+  float* other_high = scratch_row(high_);
+  // to and fro, such that the last pass ends in the ring
+  if (model_.edge_radius % 2 == 0) {
+    std::swap(low, other_low);
+    std::swap(high, other_high);
+  }
   kernels::extremes_row(D, width, low, high);
-  float* scratch = low_.data() + std::int64_t{2 * model_.edge_radius + 1} * width;
   for (int pass = 1; pass < model_.edge_radius; ++pass) {
-    kernels::min3_row(low, width, scratch);
-    std::copy_n(scratch, width, low);
-    kernels::max3_row(high, width, scratch);
-    std::copy_n(scratch, width, high);
+    kernels::min3_row(low, width, other_low);
+    kernels::max3_row(high, width, other_high);
+    std::swap(low, other_low);
+    std::swap(high, other_high);
   }
 }
 
@@ -120,13 +130,13 @@ void InverseDepthConverter::finish_row(int v, int width, int height, float* D, f
     const auto row = [&](int k) -> const float* {
       return ring_row(ring, std::clamp(v + k, 0, height - 1), width);
     };
-    if (radius == 1) return kernels::Rows{row(-1), row(0), row(1)};
     float* scratch = ring.data() + std::int64_t{2 * radius + 1} * width;
-    reduce(kernels::Rows{row(-1), row(0), row(1)}, width, scratch);
-    for (int k = 2; k <= radius; ++k) {
-      reduce(kernels::Rows{row(-k), scratch, row(k)}, width, scratch);
+    const float* middle = row(0);
+    for (int k = radius; k > 1; --k) {
+      reduce(kernels::Rows{row(-k), middle, row(k)}, width, scratch);
+      middle = scratch;
     }
-    return kernels::Rows{scratch, scratch, scratch};
+    return kernels::Rows{row(-1), middle, row(1)};
   };
   const std::int64_t first = std::int64_t{v} * width;
   kernels::finish_row(window(low_, kernels::min3_rows), window(high_, kernels::max3_rows), width,

@@ -99,7 +99,7 @@ TEST(InverseDepth, DropsBothSidesOfAStepAndKeepsASlope) {
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) depth[v * kWidth + u] = u < 20 ? 1.0F + 0.01F * u : 2.0F;
   }
-  for (const int radius : {1, 3}) {
+  for (const int radius : {1, 2, 3}) {
     DepthModel model = model_of(DepthNoise::KINECT);
     model.edge_ratio = 0.1;
     model.edge_radius = radius;
