@@ -12,6 +12,7 @@ namespace raylign {
 namespace {
 
 constexpr int kMinPoints = 20;
+constexpr int kEnoughPoints = 500;  // for a step of six numbers
 // Half the base of the slope of the depth image, px of 640.
 constexpr double kBaseShare = 4.0 / 640.0;
 // Of a smooth surface the depth bends by less between three pixels of that base.
@@ -21,7 +22,7 @@ constexpr double kMaxBend = 0.03;
 constexpr double kOffPixel = 0.002;
 constexpr double kHuber = 2.0;
 constexpr double kPriorSigma = 0.02;  // share of the mean depth; rad
-constexpr int kSteps = 3;
+constexpr int kSteps = 2;
 
 // One point: what it misses the surface by, and how that changes with the pose, over σ.
 struct Row {
@@ -76,7 +77,7 @@ double depth_agreement(const PointList& points,
                        const SensedDepth& sensed) {
   int compared = 0;
   int agreeing = 0;
-  visit_landings(points, T_th, camera, sensed, [&](const Vector3& X, int, int, double z) {
+  visit_landings(points, T_th, camera, sensed, 1, [&](const Vector3& X, int, int, double z) {
     ++compared;
     if (std::abs(X.z() - z) <= sensed.max_difference * z) ++agreeing;
   });
@@ -89,14 +90,16 @@ Vector6 depth_step(const PointList& points,
                    const SensedDepth& sensed) {
   std::vector<Row> rows;
   rows.reserve(static_cast<std::size_t>(points.num_points()));
-  visit_landings(points, T_th, camera, sensed, [&](const Vector3& X, int u, int v, double z) {
-    double du = 0.0;
-    double dv = 0.0;
-    if (std::abs(X.z() - z) > sensed.max_difference * z) return;
-    if (slope_at(sensed, u, v, z, du, dv)) {
-      rows.push_back(row_of(X, z, du, dv, camera, sensed.model));
-    }
-  });
+  const int stride = std::max(1, points.num_points() / kEnoughPoints);
+  visit_landings(points, T_th, camera, sensed, stride,
+                 [&](const Vector3& X, int u, int v, double z) {
+                   double du = 0.0;
+                   double dv = 0.0;
+                   if (std::abs(X.z() - z) > sensed.max_difference * z) return;
+                   if (slope_at(sensed, u, v, z, du, dv)) {
+                     rows.push_back(row_of(X, z, du, dv, camera, sensed.model));
+                   }
+                 });
   Vector6 step = Vector6::Zero();
   if (static_cast<int>(rows.size()) < kMinPoints) return step;
   Vector6 prior = Vector6::Constant(1.0 / (kPriorSigma * kPriorSigma));

@@ -36,16 +36,18 @@ struct SensedDepth {
 };
 
 /// Calls visit(X, u, v, z) for the points of a keyframe that T_th brings to where the image has
-/// depth: the point in the camera, the pixel, and the depth z in m that is seen there.
+/// depth: the point in the camera, the pixel, and the depth z in m that is seen there. `stride`:
+/// every how many points of a tile.
 template <typename Visit>
 void visit_landings(const PointList& points,
                     const Matrix4& T_th,
                     const PinholeCamera& camera,
                     const SensedDepth& sensed,
+                    int stride,
                     const Visit& visit) {
   const tracking::PointArrays arrays = points.arrays();
   for (const PointList::Tile& tile : points.tiles()) {
-    for (std::int64_t i = tile.begin; i < tile.begin + tile.count; ++i) {
+    for (std::int64_t i = tile.begin; i < tile.begin + tile.count; i += stride) {
       const Vector3 ray(static_cast<double>(arrays.ray_x[i]), static_cast<double>(arrays.ray_y[i]),
                         1.0);
       const auto D = static_cast<double>(arrays.D[i]);
