@@ -6,34 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "raylign/solver/blas.h"
 #include "raylign/solver/lapack.h"
-
-extern "C" {
-void dtrsm_(const char* side,
-            const char* uplo,
-            const char* transposed,
-            const char* diagonal,
-            const int* m,
-            const int* n,
-            const double* alpha,
-            const double* a,
-            const int* lda,
-            double* b,
-            const int* ldb);
-void dgemm_(const char* transposed_a,
-            const char* transposed_b,
-            const int* m,
-            const int* n,
-            const int* k,
-            const double* alpha,
-            const double* a,
-            const int* lda,
-            const double* b,
-            const int* ldb,
-            const double* beta,
-            double* c,
-            const int* ldc);
-}
 
 namespace raylign {
 namespace {

@@ -5,11 +5,12 @@
 #include <Eigen/Dense>
 
 #include "bundle/reference.h"
+#include "raylign/bundle/native/camera_ordering.h"
 #include "raylign/bundle/native/conjugate_gradients.h"
 #include "raylign/bundle/native/dense_cholesky.h"
 #include "raylign/bundle/native/reprojection_problem.h"
-#include "raylign/bundle/native/sparse_cholesky.h"
 #include "raylign/bundle/native/stale_factor.h"
+#include "raylign/bundle/native/supernodal_cholesky.h"
 #include "raylign/bundle/native/two_level.h"
 #include "raylign/parametrization/constants.h"
 #include "raylign/synthetic/bal.h"
@@ -138,7 +139,8 @@ TEST_P(LinearSolvers, FactorsSolve) {
   std::unique_ptr<SchurFactor> sparse;
   if (has_sparse_cholesky()) {
     const SchurPattern& pattern = problem_.system.pattern();
-    sparse = make_sparse_cholesky(problem_.cameras(), pattern, order_cameras(pattern));
+    sparse = std::make_unique<SupernodalCholesky>(
+        problem_.cameras(), pattern, order_cameras(pattern).cameras, problem_.context().pool);
   }
   for (SchurFactor* factor : {static_cast<SchurFactor*>(&dense), sparse.get()}) {
     if (factor == nullptr) continue;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "raylign/bundle/bundle_adjuster.h"
-#include "raylign/bundle/native/sparse_cholesky.h"
+#include "raylign/bundle/native/camera_ordering.h"
 #include "raylign/synthetic/bal.h"
 #include "support/small_problem.h"
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
+#include "raylign/bundle/native/camera_ordering.h"
 #include "raylign/bundle/native/conjugate_gradients.h"
 #include "raylign/bundle/native/linear_solver.h"
 #include "raylign/bundle/native/solver_costs.h"
-#include "raylign/bundle/native/sparse_cholesky.h"
 
 namespace raylign::native {
 

@@ -6,10 +6,11 @@
 
 #include "raylign/base/error.h"
 #include "raylign/bundle/native/auto_solver.h"
+#include "raylign/bundle/native/camera_ordering.h"
 #include "raylign/bundle/native/dense_cholesky.h"
 #include "raylign/bundle/native/iterative_solver.h"
-#include "raylign/bundle/native/sparse_cholesky.h"
 #include "raylign/bundle/native/stale_factor.h"
+#include "raylign/bundle/native/supernodal_cholesky.h"
 #include "raylign/bundle/native/two_level.h"
 #include "raylign/solver/summary.h"
 
@@ -89,8 +90,9 @@ std::unique_ptr<LinearSolver> make_requested_solver(const LinearSolverOptions& o
   }
   std::unique_ptr<SchurFactor> factor;
   if (options.type == LinearSolverType::SPARSE_SCHUR) {
-    factor = make_sparse_cholesky(context.cameras, pattern,
-                                  ordering != nullptr ? *ordering : order_cameras(pattern));
+    auto order = ordering != nullptr ? ordering->cameras : order_cameras(pattern).cameras;
+    factor = std::make_unique<SupernodalCholesky>(context.cameras, pattern, std::move(order),
+                                                  context.pool);
   } else {
     factor = std::make_unique<DenseCholesky>(context.cameras, context.pool);
   }
