@@ -140,6 +140,17 @@ def test_never_worse_without_saying_so(truth, images, index):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_images_lost_from_a_far_start_are_found(truth, images, seed):
+    """22 px: further than levels alone reach (6.4 of the specification: 11.6 px)."""
+    start = scenes.shifted(truth, 22.0, seed=seed)
+    result = scenes.refine(truth, images, start)
+    assert result.accepted, result.reason
+    assert scenes.centre_rms(truth, result.T_cw) < 1e-3
+    assert any("lost images found" in message for message in result.messages)
+
+
+@pytest.mark.slow
 def test_a_start_beyond_the_basin_is_refused(truth, images):
     """Guards the test above: not everything is accepted."""
     verdicts = [

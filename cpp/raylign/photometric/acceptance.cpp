@@ -8,7 +8,6 @@
 #include <cstdio>
 
 #include "raylign/geometry/se3.h"
-#include "raylign/photometric/matches.h"
 
 namespace raylign::photometric {
 namespace {
@@ -78,17 +77,6 @@ bool is_finite(const PhotometricState& state) {
   return state.points.allFinite() && state.brightness.allFinite() && state.intrinsics.allFinite();
 }
 
-// Image that has moved to where it does not show the patches; −1: none.
-std::int64_t lost_image(const std::vector<ImageMatch>& matches,
-                        const PhotometricState& start,
-                        const PhotometricState& refined) {
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    if (same_pose(start.poses[i], refined.poses[i]) || matches[i].is_right()) continue;
-    return static_cast<std::int64_t>(i);
-  }
-  return -1;
-}
-
 std::string text_of(const CostComparison& costs, const char* whose) {
   char text[200];
   std::snprintf(text, sizeof(text),
@@ -133,11 +121,22 @@ CostComparison compare_costs(const Setting& setting,
   return costs;
 }
 
+std::vector<bool> lost_images(const std::vector<ImageMatch>& matches,
+                              const PhotometricState& start,
+                              const PhotometricState& refined) {
+  std::vector<bool> lost;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    lost.push_back(!same_pose(start.poses[i], refined.poses[i]) && !matches[i].is_right());
+  }
+  return lost;
+}
+
 Verdict judge_refinement(const Setting& setting,
                          const PatchConstraints& base,
                          const RoundLaw& law,
                          int num_levels,
                          const std::vector<bool>& held_out,
+                         const std::vector<ImageMatch>& matches,
                          const PhotometricState& start,
                          PhotometricState& refined) {
   Verdict verdict;
@@ -154,19 +153,18 @@ Verdict judge_refinement(const Setting& setting,
     const Views at_end = refined_alone(setting, base, law, num_levels, held_out, refined);
     verdict.costs = compare_costs(setting, at_start, at_end, held_out, law.loss);
   }
-  const Views before = find_views(setting, start, 0);
-  const Views after = find_views(setting, refined, 0);
   if (verdict.costs.num_points < kMinHeldOut) {
     whose = "solved";
-    verdict.costs = compare_costs(setting, before, after,
-                                  std::vector<bool>(setting.num_points(), true), law.loss);
+    const std::vector<bool> all(setting.num_points(), true);
+    verdict.costs = compare_costs(setting, find_views(setting, start, 0),
+                                  find_views(setting, refined, 0), all, law.loss);
   }
-  const std::vector<ImageMatch> matches = compare_matches(setting, before, after);
-  const std::int64_t lost = lost_image(matches, start, refined);
+  const std::vector<bool> is_lost = lost_images(matches, start, refined);
+  const auto lost = std::find(is_lost.begin(), is_lost.end(), true) - is_lost.begin();
   verdict.reason = text_of(verdict.costs, whose);
   if (far >= 0) {
     verdict.reason = "image " + std::to_string(far) + " moved farther than its prior allows";
-  } else if (lost >= 0) {
+  } else if (lost < static_cast<std::ptrdiff_t>(is_lost.size())) {
     verdict.reason = "image " + std::to_string(lost) + " " + matches[lost].text();
   } else if (verdict.costs.num_lost > verdict.costs.num_edges) {
     verdict.reason = "most edges in view at the start are out of view after: " + verdict.reason;

@@ -7,6 +7,7 @@
 #include "raylign/base/stopwatch.h"
 #include "raylign/camera/camera_model.h"
 #include "raylign/photometric/acceptance.h"
+#include "raylign/photometric/attempts.h"
 #include "raylign/photometric/brightness_start.h"
 #include "raylign/photometric/constraints.h"
 #include "raylign/photometric/covariance.h"
@@ -93,19 +94,18 @@ class Adjustment {
     given_ = start_;
     start_brightness(plan_.num_levels - 1);
     Refinement refinement(setting_, base_, start_);
-    PhotometricState state = start_;
     const std::vector<bool> held_out = choose_held_out(setting_, base_);
     std::vector<bool> active = held_out;
     active.flip();
-    Refinement::Plan plan;
-    plan.num_levels = plan_.num_levels;
-    plan.max_num_rounds = options_.max_num_rounds;
-    refinement.run(plan, active, &progress_, state);
-    accept(refinement.law(), held_out, state);
+    Attempts attempts(setting_, base_, start_, active, progress_, refinement);
+    Attempt attempt = attempts.run(plan_.num_levels);
+    result_.messages.insert(result_.messages.end(), attempts.messages().begin(),
+                            attempts.messages().end());
+    accept(attempt, held_out);
     if (returns_refined() && active != std::vector<bool>(active.size(), true)) {
-      finish_with_all_points(refinement, state);
+      finish_with_all_points(refinement, attempt.state);
     }
-    return report(refinement, state);
+    return report(refinement, attempt.state);
   }
 
   FrozenProblem freeze() {
@@ -125,9 +125,9 @@ class Adjustment {
 
   bool returns_refined() const { return result_.accepted || options_.force; }
 
-  void accept(const RoundLaw& law, const std::vector<bool>& held_out, PhotometricState& state) {
-    const Verdict verdict =
-        judge_refinement(setting_, base_, law, plan_.num_levels, held_out, start_, state);
+  void accept(Attempt& attempt, const std::vector<bool>& held_out) {
+    const Verdict verdict = judge_refinement(setting_, base_, attempt.law, attempt.num_levels,
+                                             held_out, attempt.matches, start_, attempt.state);
     result_.accepted = verdict.accepted;
     result_.reason = verdict.reason;
     result_.num_hold_out = std::count(held_out.begin(), held_out.end(), true);

@@ -15,7 +15,7 @@ struct LevelPlan {
 
 /// The coarsest level L is the first with expected shift / 2^L < 1.5 px, the widest start that one
 /// level has been seen to recover from. Four levels when no prior tells the shift; one for stored
-/// patches, which cannot be read again at a coarser level.
+/// patches, which cannot be read again at a coarser level. Attempts may ask for more.
 LevelPlan plan_levels(const Setting& setting, const PhotometricState& start);
 
 }  // namespace raylign::photometric

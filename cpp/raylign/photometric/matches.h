@@ -15,9 +15,8 @@ namespace raylign::photometric {
 bool is_comparable(const Views& views, std::int64_t p, std::int64_t e);
 
 /// What an image shows of the patches, before and after a refinement. Edges of a point with its own
-/// host do not count. An edge is matched when the residuals keep less than half of the patch's
-/// contrast; a point is confirmed to an image when more than half of the other images that see it
-/// match its patch.
+/// host do not count. A point is confirmed to an image when more than half of the other images that
+/// see it match its patch.
 struct ImageMatch {
   std::int64_t num_edges = 0;   ///< comparable before or after
   std::int64_t num_before = 0;  ///< of them matched before
@@ -37,9 +36,14 @@ struct ImageMatch {
   std::string text() const;
 };
 
-/// Of every image.
+/// Whether the residuals of an edge keep less than about a third of its patch's contrast (sums of
+/// squares).
+bool is_matched(const Views& views, std::int64_t p, std::int64_t e);
+
+/// Of every image, by some of the points.
 std::vector<ImageMatch> compare_matches(const Setting& setting,
                                         const Views& before,
-                                        const Views& after);
+                                        const Views& after,
+                                        const std::vector<bool>& points);
 
 }  // namespace raylign::photometric

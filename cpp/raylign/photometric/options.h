@@ -89,7 +89,9 @@ struct PhotometricOptions {
   PatchWarp warp = PatchWarp::AUTO;
   SampleInterpolation interpolation = SampleInterpolation::CUBIC_BSPLINE;
   double presmooth = 0.0;  ///< σ of a Gaussian on the images, px; not with stored patches
-  int num_levels = 0;      ///< pyramid levels; 0: as many as the expected shift needs
+  /// Pyramid levels; 0: as many as the expected shift needs, and where images end lost, more
+  /// attempts: they are looked for by the points of the others, then all again on all levels.
+  int num_levels = 0;
   BrightnessOptions brightness;
   NoiseOptions noise;
   VisibilityOptions visibility;

@@ -127,6 +127,16 @@ double Progress::seconds_left() const {
   return std::max(options_.lm.max_solver_time_s - clock_.seconds(), kShortestSolve);
 }
 
+bool Progress::asks_to_stop() {
+  if (is_over_) return true;
+  const bool is_late = clock_.seconds() >= options_.lm.max_solver_time_s;
+  const bool is_interrupted = interrupted_ && interrupted_();
+  if (!is_late && !is_interrupted) return false;
+  summary_.termination = is_late ? Termination::TIME_LIMIT : Termination::USER_STOPPED;
+  summary_.message = is_late ? "max_solver_time_s reached" : "interrupted between solves";
+  return is_over_ = true;
+}
+
 Summary Progress::solve(PatchScene& scene,
                         const PatchConstraints& constraints,
                         PatchSolveOptions options) {

@@ -33,6 +33,8 @@ class Progress {
 
   /// Whether the user or the time limit has asked for the end.
   bool is_over() const { return is_over_; }
+  /// Asks, between solves: an interrupt and the time limit end everything.
+  bool asks_to_stop();
   double seconds_left() const;
   /// Runs one solve. Its rows are appended to summary(), numbered through; row 0 of the first
   /// only.
