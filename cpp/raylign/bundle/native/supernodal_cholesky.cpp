@@ -22,6 +22,18 @@ constexpr int kStep = 1;
 
 int num_parts(int size, int part) { return (size + part - 1) / part; }
 
+// An update of `rows` rows: strips of kStrip columns, each from its first diagonal element down.
+std::int64_t strip_begin(int rows, std::int64_t strip) {
+  return kStrip * (strip * rows - kStrip * strip * (strip - 1) / 2);
+}
+int strip_height(int rows, int strip) { return rows - strip * kStrip; }
+std::int64_t update_size(int rows) {
+  const int last = num_parts(rows, kStrip) - 1;
+  if (rows == 0) return 0;
+  const std::int64_t height = strip_height(rows, last);
+  return strip_begin(rows, last) + height * height;
+}
+
 // Runs the parts of one front after each other.
 struct Alone {
   template <typename Task>
@@ -165,7 +177,7 @@ void SupernodalCholesky::place_updates() {
     Places places(begin);
     for (const std::int32_t n : nodes) {
       Front& front = fronts_[n];
-      front.update = places.take(std::int64_t{front.num_rows} * front.num_rows);
+      front.update = places.take(update_size(front.num_rows));
       for (const std::int32_t child : front.children) {
         if (fronts_[child].update >= begin) places.give_back(fronts_[child].update);
       }
@@ -181,12 +193,21 @@ void SupernodalCholesky::place_updates() {
   updates_.resize(begin);
 }
 
+// Where row 0 of a column would stand; its rows begin with those of its strip.
+double* SupernodalCholesky::update_column(std::int32_t n, int column) {
+  const Front& front = fronts_[n];
+  const int strip = column / kStrip;
+  const std::int64_t height = strip_height(front.num_rows, strip);
+  return updates_.data() + front.update + strip_begin(front.num_rows, strip) +
+         (column - strip * kStrip) * height - strip * kStrip;
+}
+
 // S and the children's updates.
 void SupernodalCholesky::assemble(std::int32_t n, const SchurSystem& system) {
   const Front& front = fronts_[n];
   const std::int64_t height = front.height();
   std::fill_n(panel(n), height * front.num_pivots, 0.0);
-  std::fill_n(update(n), std::int64_t{front.num_rows} * front.num_rows, 0.0);
+  std::fill_n(updates_.data() + front.update, update_size(front.num_rows), 0.0);
   for (const Entry& entry : front.entries) {
     const double* block = system.blocks()[entry.block].values;
     for (int a = 0; a < entry.num_columns; ++a) {
@@ -205,11 +226,10 @@ void SupernodalCholesky::add_child(std::int32_t child, std::int32_t parent) {
   for (auto first = from.runs.begin(); first != from.runs.end(); ++first) {
     for (int k = 0; k < first->length; ++k) {
       const int column = first->to + k;
-      const double* in = update(child) + std::int64_t{first->from + k} * from.num_rows;
-      double* out =
-          column < to.num_pivots
-              ? panel(parent) + std::int64_t{column} * to.height()
-              : update(parent) + std::int64_t{column - to.num_pivots} * to.num_rows - to.num_pivots;
+      const double* in = update_column(child, first->from + k);
+      double* out = column < to.num_pivots
+                        ? panel(parent) + std::int64_t{column} * to.height()
+                        : update_column(parent, column - to.num_pivots) - to.num_pivots;
       for (int r = k; r < first->length; ++r) out[first->to + r] += in[first->from + r];
       for (auto run = first + 1; run != from.runs.end(); ++run) {
         for (int r = 0; r < run->length; ++r) out[run->to + r] += in[run->from + r];
@@ -252,11 +272,10 @@ bool SupernodalCholesky::eliminate(std::int32_t n, const RunParts& run) {
   run(num_parts(front.num_rows, kStrip), [&](int part) {
     const int column = part * kStrip;
     const int count = std::min(kStrip, front.num_rows - column);
-    const int rows = front.num_rows - column;
+    const int rows = strip_height(front.num_rows, part);
     const double* L = at(front.num_pivots + column, 0);
-    double* out = update(n) + std::int64_t{column} * front.num_rows + column;
     dgemm_("N", "T", &rows, &count, &front.num_pivots, &kMinusOne, L, &height, L, &height, &kOne,
-           out, &front.num_rows);
+           update_column(n, column) + column, &rows);
   });
   return true;
 }

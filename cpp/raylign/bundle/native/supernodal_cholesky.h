@@ -43,7 +43,7 @@ class SupernodalCholesky : public SchurFactor {
     int num_pivots = 0;       // scalar columns
     int num_rows = 0;         // below them
     std::int64_t panel = 0;   // (num_pivots + num_rows, num_pivots), column-major, in L_
-    std::int64_t update = 0;  // (num_rows, num_rows), column-major, in updates_
+    std::int64_t update = 0;  // lower triangle by strips of columns, in updates_
     std::vector<Entry> entries;
     std::vector<Run> runs;  // of the update, into the parent
     std::vector<std::int32_t> children;
@@ -56,7 +56,7 @@ class SupernodalCholesky : public SchurFactor {
   void place_updates();
 
   double* panel(std::int32_t n) { return L_.data() + fronts_[n].panel; }
-  double* update(std::int32_t n) { return updates_.data() + fronts_[n].update; }
+  double* update_column(std::int32_t n, int column);
   void assemble(std::int32_t n, const SchurSystem& system);
   void add_child(std::int32_t child, std::int32_t parent);
   template <typename Run>
