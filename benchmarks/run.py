@@ -15,6 +15,7 @@ measured in pieces. Made problems are kept in benchmarks/.cache ($RAYLIGN_BENCH_
 import argparse
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -40,6 +41,7 @@ def parse_arguments() -> argparse.Namespace:
         "--peers", type=Path, help="interpreter with benchmarks/peers.txt installed"
     )
     parser.add_argument("--rounds", type=int, help="default: 3 where a solve takes seconds, else 1")
+    parser.add_argument("--time-limit", type=float, help="seconds a solve may take, for all alike")
     parser.add_argument("--programs", type=Path, help="folder of built programs; default: build")
     parser.add_argument("--output", type=Path, help="default: benchmarks/results/<date>.json")
     parser.add_argument("--append", action="store_true", help="add the rounds to --output")
@@ -60,6 +62,8 @@ def hold_contests(
     held = []
     for name in names:
         spec = problems.find_spec(name)
+        if arguments.time_limit:
+            spec = replace(spec, time_limit_s=arguments.time_limit)
         rounds = arguments.rounds or (3 if spec.num_observations <= problems.SMALL else 1)
         with console.status(name) as status:
             result = contests.hold(
