@@ -109,6 +109,10 @@ void bind_tracking_options(py::module_& m) {
       .field("motion", &T::motion, "MotionGroup.")
       .field("noise_model", &T::noise_model, "NoiseModel.")
       .field("sigma_intensity", &T::sigma_intensity, "σ_I, grey levels; √8: 2 σ_I² = 16.")
+      .field("adapt_sigma", &T::adapt_sigma,
+             "Whether σ_r is scaled to residuals that are much smaller.")
+      .field("min_sigma_intensity", &T::min_sigma_intensity,
+             "What it is scaled to at most, σ_I in grey levels, > 0.")
       .field("sigma_mode", &T::sigma_mode, "SigmaMode.")
       .field("loss", &T::loss, "Robust law of r / σ_r.")
       .field("gradient", &T::gradient, "GradientMode.")
@@ -290,6 +294,7 @@ void bind_result(py::module_& m) {
             return py::array_t<double>(n, r.weakest_direction.data());
           },
           "(n,): unit eigenvector of the smallest eigenvalue.")
+      .def_readonly("sigma_scale", &R::sigma_scale, "By which σ_r was scaled (adapt_sigma).")
       .def_readonly("residual_variance", &R::residual_variance,
                     "Σ ρ′ n² / Σ ρ′ of n = r / σ_r: 1 when σ_r is right.")
       .def_readonly("depth_residual_variance", &R::depth_residual_variance,

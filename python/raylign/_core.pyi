@@ -1494,6 +1494,8 @@ class TrackingOptions:
     motion: MotionGroup
     noise_model: NoiseModel
     sigma_intensity: float
+    adapt_sigma: bool
+    min_sigma_intensity: float
     sigma_mode: SigmaMode
     loss: Loss
     gradient: GradientMode
@@ -1511,6 +1513,8 @@ class TrackingOptions:
         motion: MotionGroup | str = ...,
         noise_model: NoiseModel | str = ...,
         sigma_intensity: float = ...,
+        adapt_sigma: bool = ...,
+        min_sigma_intensity: float = ...,
         sigma_mode: SigmaMode | str = ...,
         loss: Loss | str = ...,
         gradient: GradientMode | str = ...,
@@ -1529,6 +1533,8 @@ class TrackingOptions:
         motion: MotionGroup | str = ...,
         noise_model: NoiseModel | str = ...,
         sigma_intensity: float = ...,
+        adapt_sigma: bool = ...,
+        min_sigma_intensity: float = ...,
         sigma_mode: SigmaMode | str = ...,
         loss: Loss | str = ...,
         gradient: GradientMode | str = ...,
@@ -1653,6 +1659,8 @@ class AlignmentResult:
     def information_eigenvalues(self) -> NDArray[np.float64]: ...
     @property
     def weakest_direction(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma_scale(self) -> float: ...
     @property
     def residual_variance(self) -> float: ...
     @property

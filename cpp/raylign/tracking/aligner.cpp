@@ -26,6 +26,10 @@ constexpr double kRigidTolerance = 1e-6;
 // Exact depth has no dispersion at all; the sums are in float.
 constexpr double kMaxWeight = 1e3;
 constexpr double kMaxScale = 30.0;
+// Σ ρ′ n² / Σ ρ′ below which σ_r is scaled, that at which it is right, and how often it is.
+constexpr double kMuchSmaller = 0.25;
+constexpr double kSettled = 0.7;
+constexpr int kMaxAdaptations = 8;
 constexpr int kMinSide = 3;  // px: smaller levels have no inner pixel
 // px of the coarsest level: a turn below it does not make another start.
 constexpr double kSmallTurn = 0.5;
@@ -131,6 +135,26 @@ TrackingOptions for_rotation(TrackingOptions options) {
   options.affine.mode = AffineMode::NONE;
   options.depth.enabled = false;
   return options;
+}
+
+// While residuals are much smaller than σ_r says, brings it to them and minimises again: to the
+// fixed point of the robust scale, as outliers that a wide σ_r let count fade away.
+template <typename Problem>
+Summary adapt_sigma(Problem& problem,
+                    const TrackingOptions& options,
+                    const LmOptions& lm,
+                    int num_points,
+                    Summary summary) {
+  const double lowest = options.min_sigma_intensity / options.sigma_intensity;
+  for (int i = 0; i < kMaxAdaptations; ++i) {
+    const TermSums& sums = problem.sums().photometric;
+    const double scale = problem.scales().photometric_scale;
+    const double variance = sums.weight > 0.0 ? sums.weighted_square / sums.weight : 1.0;
+    if (!(variance < (i == 0 ? kMuchSmaller : kSettled)) || !(scale > lowest)) break;
+    problem.set_photometric_scale(std::max(lowest, scale * std::sqrt(variance)));
+    summary = minimize(problem, lm, IterationCallback(), Stopwatch(), num_points);
+  }
+  return summary;
 }
 
 }  // namespace
@@ -241,6 +265,11 @@ AlignmentResult Aligner::align_motion(const Keyframe& keyframe,
     lm.max_num_iterations = options_.max_iterations(level);
     LevelResult record;
     record.summary = minimize(problem, lm, IterationCallback(), clock, pass.num_points());
+    if (is_last && options_.adapt_sigma) {
+      record.summary = adapt_sigma(problem, options_, lm, pass.num_points(), record.summary);
+      scales = problem.scales();
+      result.sigma_scale = scales.photometric_scale;
+    }
     state = problem.state();
     record.level = level;
     record.num_points = pass.num_points();

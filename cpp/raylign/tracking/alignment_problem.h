@@ -143,6 +143,14 @@ class AlignmentProblem {
   /// By bands, at the current state.
   const std::vector<PassSums>& bands() const { return pass_.workspace().buffers[current_].bands; }
 
+  /// Takes σ_r times `scale` from now on, at the current state.
+  void set_photometric_scale(double scale) {
+    scales_.photometric_scale = scale;
+    column_scales_.clear();
+    sums_ = run(state_, nullptr, buffers(current_));
+  }
+  const TermScales& scales() const { return scales_; }
+
   /// Makes the sums those of σ at the current state.
   void thaw() {
     if (options_.sigma_mode != SigmaMode::FROZEN) return;

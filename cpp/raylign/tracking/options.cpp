@@ -57,6 +57,7 @@ int TrackingOptions::max_iterations(int level) const {
 
 void TrackingOptions::validate() const {
   require_positive("TrackingOptions.sigma_intensity", sigma_intensity);
+  require_positive("TrackingOptions.min_sigma_intensity", min_sigma_intensity);
   loss.validate();
   affine.validate();
   depth.validate();

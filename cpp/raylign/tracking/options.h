@@ -91,6 +91,10 @@ struct TrackingOptions {
   NoiseModel noise_model = NoiseModel::CONSTANT;
   /// σ_I, grey levels, > 0. √8: 2 σ_I² = 16, the value of LSD-SLAM's program.
   double sigma_intensity = 2.8284271247461903;
+  /// Where the finest level's residuals turn out much smaller than σ_r, it is scaled to them, as
+  /// far as σ_I = min_sigma_intensity, and the level aligned on: an outlier is then known for one.
+  bool adapt_sigma = true;
+  double min_sigma_intensity = 0.3;  ///< grey levels, > 0: rounding to integers
   SigmaMode sigma_mode = SigmaMode::REEVALUATE;
   Loss loss = {LossType::HUBER, 1.5, 5.0};  ///< of r / σ_r, scale without unit
   GradientMode gradient = GradientMode::FORWARD;

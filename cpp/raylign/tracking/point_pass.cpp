@@ -108,7 +108,7 @@ PassSettings PointPass::settings(const PoseState& state, const TermScales& scale
   s.depth_gradient = options_.depth.use_gradient;
   s.freeze = options_.sigma_mode == SigmaMode::FROZEN;
   s.loss = &options_.loss;
-  s.photometric_scale = 1.0F;
+  s.photometric_scale = static_cast<float>(scales.photometric_scale);
   s.depth_scale = static_cast<float>(scales.depth_scale);
   return s;
 }

@@ -23,6 +23,7 @@ struct PoseState {
 
 /// The terms' residuals are divided by these beside σ, and the depth term's cost is multiplied.
 struct TermScales {
+  double photometric_scale = 1.0;
   double depth_scale = 1.0;
   double depth_weight = 1.0;
 };

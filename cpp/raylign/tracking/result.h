@@ -66,6 +66,7 @@ struct AlignmentResult {
   Vector7 weakest_direction = Vector7::Zero();  ///< eigenvector of the first
   /// Mean ratio of `covariance` to `hessian_covariance`, −1 where there is no block-wise one.
   double inflation = -1.0;
+  double sigma_scale = 1.0;         ///< by which σ_r was scaled, TrackingOptions::adapt_sigma
   double residual_variance = -1.0;  ///< Σ ρ′ n² / Σ ρ′: 1 when σ_r is right
   double depth_residual_variance = -1.0;
   int num_points = 0;       ///< reference points of the finest level

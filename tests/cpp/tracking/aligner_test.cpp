@@ -98,6 +98,31 @@ TEST(Aligner, EveryLevelIsUnbiased) {
   }
 }
 
+// Some points see another surface. Told sigma is wide, they count as noise; the residuals of the
+// rest tell what it is.
+TEST(Aligner, SigmaAdaptsToImagesWithLittleNoise) {
+  PlaneScene scene;
+  scene.width = 320;
+  scene.height = 240;
+  Plane<float> image;
+  Plane<float> D;
+  scene.render(some_motion(), image, D);
+  for (int v = 90; v < 125; ++v) {
+    for (int u = 60; u < 100; ++u) image.at(u, v) += 12.0F;
+  }
+  const auto target = scene.frame_of(image, D, 0.0);
+  TrackingOptions options = finest();
+  const AlignmentResult adapted = align(keyframe_of(scene), *target, options);
+  options.adapt_sigma = false;
+  const AlignmentResult fixed = align(keyframe_of(scene), *target, options);
+  EXPECT_EQ(fixed.sigma_scale, 1.0);
+  EXPECT_LT(adapted.sigma_scale, 0.4);
+  EXPECT_GE(adapted.sigma_scale, 0.99 * options.min_sigma_intensity / options.sigma_intensity);
+  EXPECT_LT(pose_error(adapted.T_th, some_motion()).norm(),
+            0.5 * pose_error(fixed.T_th, some_motion()).norm());
+  EXPECT_LT(adapted.hessian_covariance.trace(), 0.3 * fixed.hessian_covariance.trace());
+}
+
 TEST(Aligner, RotationOnlyTurnsAboutTheTarget) {
   const PlaneScene scene;
   TrackingOptions options = finest();

@@ -54,7 +54,8 @@ struct Twin {
       const tracking::HostPoint point = tracking::host_point(points.arrays(), i);
       tracking::PointResidual p;
       if (tracking::photometric_point(point, target.gradients(level).view(), at, settings, p)) {
-        add(p, 1.0, settings.with_brightness ? 8 : 6, sums.photometric);
+        add(p, static_cast<double>(settings.photometric_scale), settings.with_brightness ? 8 : 6,
+            sums.photometric);
         const double g2 = p.g_u * p.g_u + p.g_v * p.g_v;
         sums.good += p.r * p.r < 1600.0 + 0.25 * g2 ? 1.0 : 0.0;
       }
@@ -141,9 +142,11 @@ TEST(Kernel, ScalarAndVectorCodeEndAtTheSamePose) {
     ThreadPool pool(1);
     tracking::Workspace workspace;
     const tracking::PointPass pass(keyframe, *target, 0, options, pool, workspace);
+    tracking::TermScales scales;
+    scales.photometric_scale = vectors.sigma_scale;
     Matrix4 T = start.T_th;
     for (int i = 0; i < 12; ++i) {
-      Twin twin = {keyframe, *target, pass.settings({T, 0.0, 0.0}, {})};
+      Twin twin = {keyframe, *target, pass.settings({T, 0.0, 0.0}, scales)};
       const PassSums sums = twin.run(0);
       auto equations = tracking::photometric_equations(sums.photometric, false);
       if (with_depth) {
