@@ -9,6 +9,7 @@
 #include "raylign/photometric/acceptance.h"
 #include "raylign/photometric/attempts.h"
 #include "raylign/photometric/brightness_start.h"
+#include "raylign/photometric/canonical_world.h"
 #include "raylign/photometric/constraints.h"
 #include "raylign/photometric/covariance.h"
 #include "raylign/photometric/judge.h"
@@ -204,8 +205,17 @@ PhotometricResult adjust(const PhotometricProblem& problem,
                          const InterruptCheck& interrupted) {
   const Stopwatch clock;
   check(problem, config, options);
-  Progress progress(options, clock, callback, interrupted);
-  return Adjustment(problem, config, options, progress).run();
+  const CanonicalWorld world(problem, config, options);
+  if (!world.is_used()) {
+    Progress progress(options, clock, callback, interrupted);
+    return Adjustment(problem, config, options, progress).run();
+  }
+  const PhotometricProblem inside = world.into(problem);
+  const PhotometricOptions inside_options = world.into(options);
+  Progress progress(inside_options, clock, callback, interrupted);
+  PhotometricResult result = Adjustment(inside, config, inside_options, progress).run();
+  world.back(problem, inside, result);
+  return result;
 }
 
 FrozenProblem freeze(const PhotometricProblem& problem,
