@@ -92,6 +92,15 @@ def test_rows_become_columns(images):
         make(images, patches=patches[:, :8], patch_order="row")
 
 
+def test_patches_have_as_many_numbers_as_their_pattern(images):
+    patches = np.zeros((20, 15))
+    assert make(images, patches=patches).patch_size == 15  # a pattern of one's own
+    with pytest.raises(raylign.ShapeError, match=r"patches .*16.*\(20, 15\)"):
+        make(images, patches=patches, pattern=photometric.PatchPattern.parse("4x4"))
+    custom = photometric.PatchPattern([(u, v) for u in range(5) for v in range(3)])
+    assert make(images, patches=patches, pattern=custom).patch_size == 15
+
+
 def bad_pose(row: int, value) -> np.ndarray:
     T = T_CW.copy()
     T[row, :3, :3] = value

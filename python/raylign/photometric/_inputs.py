@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from raylign import geometry, io
+from raylign._core import PatchPattern
 from raylign._typing import F32, F64, I32, AnyArray
 from raylign.errors import OptionsError, ShapeError
 from raylign.photometric._images import Corrections, as_f64
@@ -82,13 +83,16 @@ def optional(value: npt.ArrayLike | None, name: str, shape: tuple[int, ...]) -> 
     return None if value is None else as_f64(value, name, shape)
 
 
-def patches_by_column(patches: npt.ArrayLike | None, num_points: int, order: str) -> F32 | None:
-    """(N, n) float32 by columns, or None."""
+def patches_by_column(
+    patches: npt.ArrayLike | None, num_points: int, order: str, pattern: PatchPattern | None
+) -> F32 | None:
+    """(N, n) float32 by columns, or None; n is the pattern's, where that is known."""
     if order not in ("column", "row"):
         raise OptionsError(f"patch_order must be 'column' or 'row', got {order!r}")
     if patches is None:
         return None
-    values = as_f64(patches, "patches", (num_points, None)).astype(np.float32)
+    size = None if pattern is None else pattern.size
+    values = as_f64(patches, "patches", (num_points, size)).astype(np.float32)
     if order == "row":
         side = math.isqrt(values.shape[1])
         if side * side != values.shape[1]:

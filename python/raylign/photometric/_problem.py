@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from raylign import _core, io
+from raylign._core import PatchPattern
 from raylign._typing import F32, F64, U8, AnyArray, PathLike
 from raylign.camera import PinholeCamera
 from raylign.depth import DepthModel
@@ -47,6 +48,8 @@ class Problem:
         points: (N, 3) world frame, scene units.
         convention: "cw": poses map the world to the camera; "wc": the other way.
         patches: (N, n) grey values that the images are compared with. Default: read from `host`.
+        pattern: of the patches, whose n is checked here. Default: the one in `PhotometricOptions`,
+            which may be of any shape, so that `adjust` is the first to know whether n is right.
         patch_order: of the numbers of a square patch: "column": u outermost, as the files of the
             original exercise; "row": v outermost, as `image[v, u].ravel()`.
         host: (N,) index of the image a point's patch is read from, −1 where `patches` has it; or
@@ -97,6 +100,7 @@ class Problem:
         *,
         convention: str = "cw",
         patches: npt.ArrayLike | None = None,
+        pattern: PatchPattern | None = None,
         patch_order: str = "column",
         host: npt.ArrayLike | str | None = None,
         host_uv: npt.ArrayLike | None = None,
@@ -136,7 +140,7 @@ class Problem:
             "T_cw": poses,
             "points": xyz,
             "intrinsics": np.array([c.params for c in prepared.cameras]),
-            "patches": patches_by_column(patches, size, patch_order),
+            "patches": patches_by_column(patches, size, patch_order, pattern),
             "hosts": hosts_of(host, size, patches is not None),
             "host_uv": optional(host_uv, "host_uv", (size, 2)),
             "normals": optional(normals, "normals", (size, 3)),
