@@ -22,7 +22,7 @@ from raylign import _core
 from raylign._core import BalCamera, PinholeCamera, RadtanCamera
 from raylign._typing import F32
 
-__all__ = ["BalCamera", "PinholeCamera", "RadtanCamera", "undistort_map"]
+__all__ = ["BalCamera", "PinholeCamera", "RadtanCamera", "undistort_map", "without_distortion"]
 
 
 def undistort_map(
@@ -56,3 +56,13 @@ def undistort_map(
         (7.0, 3.0)
     """
     return _core.undistort_map(camera, K_new, width=width, height=height)
+
+
+def without_distortion(camera: PinholeCamera | RadtanCamera) -> PinholeCamera:
+    """The pinhole with the same fx, fy, cx, cy (px): right for images that were undistorted.
+
+    Example:
+        >>> without_distortion(RadtanCamera(100.0, 101.0, 15.5, 11.5, -0.2, 0.1, 0.0, 0.0))
+        PinholeCamera(fx=100.0, fy=101.0, cx=15.5, cy=11.5)
+    """
+    return PinholeCamera(camera.fx, camera.fy, camera.cx, camera.cy)

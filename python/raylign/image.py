@@ -43,7 +43,7 @@ from raylign._core import (
     SampleInterpolation,
 )
 from raylign._typing import F32, F64, AnyArray, Bool
-from raylign.camera import PinholeCamera, RadtanCamera, undistort_map
+from raylign.camera import PinholeCamera, RadtanCamera, undistort_map, without_distortion
 
 __all__ = [
     "BSplineImage",
@@ -283,7 +283,7 @@ class Undistorter:
         height: int,
         new_camera: PinholeCamera | None = None,
     ) -> None:
-        self.camera = new_camera or PinholeCamera(camera.fx, camera.fy, camera.cx, camera.cy)
+        self.camera = new_camera or without_distortion(camera)
         self._map = undistort_map(camera, self.camera.matrix(), width=width, height=height)
 
     def __call__(

@@ -26,6 +26,7 @@ from raylign._core import (
     ShutterOptions,
 )
 from raylign._typing import F64, AnyArray
+from raylign.camera import without_distortion
 from raylign.image import Interpolation, Undistorter, inscribed_camera
 from raylign.trajectory import Trajectory
 
@@ -214,10 +215,8 @@ def run(
         was_interrupted = True
     # an interrupt between two appends must not leave a time without its result
     times = np.array(times_s[: len(results)])
-    if rectifier is None:  # no frame, no size
-        tracked = PinholeCamera(camera.fx, camera.fy, camera.cx, camera.cy)
-    else:
-        tracked = rectifier.camera
+    # no frame, no size
+    tracked = without_distortion(camera) if rectifier is None else rectifier.camera
     return OdometryRun(tracked, tuple(results), times, was_interrupted)
 
 

@@ -23,24 +23,30 @@ double DepthModel::effective_sigma() const {
   return 0.002;
 }
 
-double DepthModel::inverse_depth_sigma(double depth) const {
+DepthNoiseLaw<double> DepthModel::law() const {
   const double s = effective_sigma();
+  DepthNoiseLaw<double> law;
   switch (noise) {
-    case DepthNoise::KINECT: {
+    case DepthNoise::KINECT:
       // Axial noise of Nguyen, Izadi, Lovell, 3DIMPVT 2012, eq. 1, for surfaces that face the
       // sensor.
-      const double beyond = depth - 0.4;
-      return s * (0.0012 + 0.0019 * beyond * beyond) / (depth * depth);
-    }
-    case DepthNoise::DISPARITY:
-      return s / focal_baseline;
+      law.c0 = 0.0012 * s;
+      law.c1 = 0.0019 * s;
+      break;
     case DepthNoise::TIME_OF_FLIGHT:
-      return s / (depth * depth);
+      law.c0 = s;
+      break;
+    case DepthNoise::DISPARITY:
+      law.constant = s / focal_baseline;
+      break;
     case DepthNoise::CONSTANT:
+      law.constant = s;
       break;
   }
-  return s;
+  return law;
 }
+
+double DepthModel::inverse_depth_sigma(double depth) const { return law().sigma(1.0 / depth); }
 
 void DepthModel::validate() const {
   require_option(sigma >= 0 && std::isfinite(sigma), "DepthModel.sigma", "finite and >= 0", sigma);

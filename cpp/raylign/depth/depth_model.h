@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "raylign/depth/depth_noise_law.h"
+
 namespace raylign {
 
 /// How the error of a measured depth Z grows with Z.
@@ -29,6 +31,8 @@ struct DepthModel {
   double edge_ratio = 0.1;
   int edge_radius = 1;  ///< px, in [0, 16]; 0 keeps all.
 
+  /// The law of σ_D with Z = 1/D put in.
+  DepthNoiseLaw<double> law() const;
   /// Standard deviation of the inverse depth 1/Z, in 1/m, to first order: σ_Z / Z².
   double inverse_depth_sigma(double depth) const;
   /// `sigma`, or the law's own where it is 0.

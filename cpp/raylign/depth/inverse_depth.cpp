@@ -14,26 +14,9 @@ namespace {
 
 namespace kernels = depth_kernels;
 
-// Each law of σ_D with Z = 1/D put in.
-kernels::NoiseLaw law_of(const DepthModel& model) {
-  const double s = model.effective_sigma();
-  kernels::NoiseLaw law;
-  switch (model.noise) {
-    case DepthNoise::KINECT:
-      law.c0 = static_cast<float>(0.0012 * s);
-      law.c1 = static_cast<float>(0.0019 * s);
-      break;
-    case DepthNoise::TIME_OF_FLIGHT:
-      law.c0 = static_cast<float>(s);
-      break;
-    case DepthNoise::DISPARITY:
-      law.constant = static_cast<float>(s / model.focal_baseline);
-      break;
-    case DepthNoise::CONSTANT:
-      law.constant = static_cast<float>(s);
-      break;
-  }
-  return law;
+DepthNoiseLaw<float> law_of(const DepthModel& model) {
+  const DepthNoiseLaw<double> law = model.law();
+  return {static_cast<float>(law.constant), static_cast<float>(law.c0), static_cast<float>(law.c1)};
 }
 
 const std::byte* row_of(const ImageView& image, int v) {
@@ -59,7 +42,7 @@ void InverseDepthConverter::convert(const ImageView& depth,
                                     float* D,
                                     float* V) {
   check(depth, depth_scale);
-  const kernels::NoiseLaw law = law_of(model_);
+  const DepthNoiseLaw<float> law = law_of(model_);
   const bool removes_edges = model_.edge_ratio > 0.0 && model_.edge_radius > 0;
   const int delay = removes_edges ? model_.edge_radius : 0;
   const int width = depth.width;

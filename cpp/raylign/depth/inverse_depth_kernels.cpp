@@ -20,9 +20,8 @@ RAYLIGN_INLINE float inverse_or_zero(float z, float min_depth, float max_depth) 
 
 RAYLIGN_INLINE float low_of(float D) { return D > 0.0F ? D : kInfinity; }
 
-RAYLIGN_INLINE float variance(float D, const NoiseLaw& law) {
-  const float beyond = 1.0F - 0.4F * D;
-  const float sigma = law.constant + law.c0 * D * D + law.c1 * beyond * beyond;
+RAYLIGN_INLINE float variance(float D, const DepthNoiseLaw<float>& law) {
+  const float sigma = law.sigma(D);
   return D > 0.0F ? sigma * sigma : 0.0F;
 }
 
@@ -45,8 +44,11 @@ RAYLIGN_CLONES void invert_row(const std::uint16_t* raw,
   }
 }
 
-RAYLIGN_CLONES void variance_row(const float* D, int width, const NoiseLaw& law, float* V) {
-  const NoiseLaw l = law;
+RAYLIGN_CLONES void variance_row(const float* D,
+                                 int width,
+                                 const DepthNoiseLaw<float>& law,
+                                 float* V) {
+  const DepthNoiseLaw<float> l = law;
   for (int u = 0; u < width; ++u) V[u] = variance(D[u], l);
 }
 
@@ -92,12 +94,12 @@ RAYLIGN_CLONES void finish_row(const Rows& low,
                                const Rows& high,
                                int width,
                                float ratio,
-                               const NoiseLaw& law,
+                               const DepthNoiseLaw<float>& law,
                                float* D,
                                float* V) {
   const Rows l = low;
   const Rows h = high;
-  const NoiseLaw noise = law;
+  const DepthNoiseLaw<float> noise = law;
 #pragma GCC ivdep
   for (int u = 0; u < width; ++u) {
     const float lowest = lower(l.above[u], lower(l.here[u], l.below[u]));

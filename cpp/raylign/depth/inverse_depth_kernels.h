@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "raylign/depth/depth_noise_law.h"
+
 /// The loops over pixels behind InverseDepthConverter: plain C over rows, compiled for several
 /// instruction sets.
 namespace raylign::depth_kernels {
@@ -18,15 +20,8 @@ void invert_row(const std::uint16_t* raw,
                 float max_depth,
                 float* D);
 
-/// σ = constant + c0 D² + c1 (1 − 0.4 D)², which all laws of DepthModel are.
-struct NoiseLaw {
-  float constant = 0.0F;
-  float c0 = 0.0F;
-  float c1 = 0.0F;
-};
-
 /// V = σ²; 0 where D is 0.
-void variance_row(const float* D, int width, const NoiseLaw& law, float* V);
+void variance_row(const float* D, int width, const DepthNoiseLaw<float>& law, float* V);
 
 /// low and high = min and max of D[u − 1 … u + 1], clipped at the ends; a D of 0 does not count.
 void extremes_row(const float* D, int width, float* low, float* high);
@@ -49,7 +44,7 @@ void finish_row(const Rows& low,
                 const Rows& high,
                 int width,
                 float ratio,
-                const NoiseLaw& law,
+                const DepthNoiseLaw<float>& law,
                 float* D,
                 float* V);
 

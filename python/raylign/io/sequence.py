@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, overload
 import numpy as np
 
 from raylign._typing import F32, F64, U8
-from raylign.camera import PinholeCamera, RadtanCamera
+from raylign.camera import PinholeCamera, RadtanCamera, without_distortion
 from raylign.errors import OptionsError
 from raylign.io._images import DepthCodec, read_depth, read_image
 from raylign.trajectory import Trajectory
@@ -154,8 +154,7 @@ class RgbdSequence(Sequence[RgbdFrame]):
     @property
     def pinhole(self) -> PinholeCamera:
         """The camera without its distortion: right for undistorted images, else approximate."""
-        camera = self.calibration.camera
-        return PinholeCamera(camera.fx, camera.fy, camera.cx, camera.cy)
+        return without_distortion(self.calibration.camera)
 
     @property
     def timestamps(self) -> F64:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from raylign import io
 from raylign._typing import F32, F64, U8, AnyArray
-from raylign.camera import PinholeCamera, RadtanCamera
+from raylign.camera import PinholeCamera, RadtanCamera, without_distortion
 from raylign.errors import OptionsError, ShapeError
 from raylign.image import ColorOrder, Interpolation, Undistorter, to_grey
 
@@ -89,7 +89,7 @@ def prepare(
         result.grey.append(grey)
         result.colors.append(color)
         result.masks.append(mask)
-    result.cameras.extend(PinholeCamera(c.fx, c.fy, c.cx, c.cy) for c in cameras)
+    result.cameras.extend(without_distortion(c) for c in cameras)
     return result
 
 
