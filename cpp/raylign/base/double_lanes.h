@@ -18,6 +18,24 @@ using M4 = std::int64_t __attribute__((vector_size(32)));  // −1 or 0: what co
 RAYLIGN_INLINE void load(const double* p, D4& v) { __builtin_memcpy(&v, p, sizeof(v)); }
 RAYLIGN_INLINE void store(const D4& v, double* p) { __builtin_memcpy(p, &v, sizeof(v)); }
 
+// Vectors at any address that a double may have; in structs, because a template argument drops the
+// attributes.
+struct Four {
+  typedef double Vector __attribute__((vector_size(32), may_alias, aligned(8)));
+};
+struct Eight {
+  typedef double Vector __attribute__((vector_size(64), may_alias, aligned(8)));
+};
+
+template <typename Width>
+RAYLIGN_INLINE typename Width::Vector& at(double* values) {
+  return *reinterpret_cast<typename Width::Vector*>(values);
+}
+template <typename Width>
+RAYLIGN_INLINE const typename Width::Vector& at(const double* values) {
+  return *reinterpret_cast<const typename Width::Vector*>(values);
+}
+
 RAYLIGN_INLINE bool any(const M4& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 RAYLIGN_INLINE bool any(bool mask) { return mask; }
 

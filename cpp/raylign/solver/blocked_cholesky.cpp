@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "raylign/solver/blas.h"
+#include "raylign/solver/cholesky_kernels.h"
 #include "raylign/solver/lapack.h"
 
 namespace raylign {
@@ -74,11 +75,7 @@ class BlockedCholesky {
 
 bool factor_cholesky(double* A, int n, ThreadPool& pool) {
   if (n >= kMinBlocked) return BlockedCholesky(A, n, pool).run();
-  if (!factor_dense(A, n)) return false;
-  for (std::int64_t k = 0; k < n; ++k) {
-    if (!std::isfinite(A[k * n + k])) return false;
-  }
-  return true;
+  return factor_in_registers(A, n);
 }
 
 }  // namespace raylign

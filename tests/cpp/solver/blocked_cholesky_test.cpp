@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "raylign/base/blas_threads.h"
+#include "raylign/solver/cholesky_kernels.h"
 
 namespace raylign {
 namespace {
@@ -42,6 +43,26 @@ TEST_P(Cholesky, EqualsEigensOnAnyNumberOfThreads) {
   }
 }
 
+TEST_P(Cholesky, DoesNotMindWhatStandsAboveTheDiagonal) {
+  ThreadPool pool(1);
+  Eigen::MatrixXd expected = A_;
+  ASSERT_TRUE(factor_cholesky(expected.data(), n_, pool));
+  Eigen::MatrixXd L = A_;
+  L.triangularView<Eigen::StrictlyUpper>().setConstant(std::numeric_limits<double>::quiet_NaN());
+  ASSERT_TRUE(factor_cholesky(L.data(), n_, pool));
+  for (int k = 0; k < n_; ++k) EXPECT_EQ(L.col(k).tail(n_ - k), expected.col(k).tail(n_ - k));
+}
+
+TEST_P(Cholesky, SolvesInRegisters) {
+  ThreadPool pool(1);
+  Eigen::MatrixXd L = A_;
+  ASSERT_TRUE(factor_cholesky(L.data(), n_, pool));
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(n_, -1.0, 2.0);
+  Eigen::VectorXd b = A_ * x;
+  solve_in_registers(L.data(), n_, b.data());
+  EXPECT_LT((b - x).norm(), 1e-9 * x.norm());
+}
+
 TEST_P(Cholesky, SaysWhenThereIsNone) {
   ThreadPool pool(2);
   for (const int k : {0, n_ / 2, n_ - 1}) {
@@ -53,7 +74,9 @@ TEST_P(Cholesky, SaysWhenThereIsNone) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, Cholesky, testing::Values(1, 130, kMinBlocked, kMinBlocked + 131));
+INSTANTIATE_TEST_SUITE_P(Sizes,
+                         Cholesky,
+                         testing::Values(1, 8, 31, 33, 130, 441, kMinBlocked, kMinBlocked + 131));
 
 }  // namespace
 }  // namespace raylign

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "raylign/solver/blocked_cholesky.h"
-#include "raylign/solver/lapack.h"
+#include "raylign/solver/cholesky_kernels.h"
 
 namespace raylign::native {
 
@@ -39,6 +39,8 @@ bool DenseCholesky::factor(const SchurSystem& system) {
   return factor_cholesky(matrix_.data(), cameras_.num_columns(), pool_);
 }
 
-void DenseCholesky::solve(double* x) { solve_dense(matrix_.data(), cameras_.num_columns(), x); }
+void DenseCholesky::solve(double* x) {
+  solve_in_registers(matrix_.data(), cameras_.num_columns(), x);
+}
 
 }  // namespace raylign::native

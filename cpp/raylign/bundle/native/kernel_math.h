@@ -27,24 +27,6 @@ RAYLIGN_INLINE const LooseLanes* loose_lanes(const double* row) {
   return reinterpret_cast<const LooseLanes*>(row);
 }
 
-// Vectors at any address that a double may have; in structs, because a template argument drops the
-// attributes.
-struct Four {
-  typedef double Vector __attribute__((vector_size(32), may_alias, aligned(8)));
-};
-struct Eight {
-  typedef double Vector __attribute__((vector_size(64), may_alias, aligned(8)));
-};
-
-template <typename Width>
-RAYLIGN_INLINE typename Width::Vector& at(double* values) {
-  return *reinterpret_cast<typename Width::Vector*>(values);
-}
-template <typename Width>
-RAYLIGN_INLINE const typename Width::Vector& at(const double* values) {
-  return *reinterpret_cast<const typename Width::Vector*>(values);
-}
-
 template <typename T>
 RAYLIGN_INLINE void cross(const T* a, const T* b, T* out) {
   out[0] = a[1] * b[2] - a[2] * b[1];
