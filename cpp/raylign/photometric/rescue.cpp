@@ -96,7 +96,8 @@ class Aim {
         views_(find_views(setting, state, 0)),
         points_(agreed_points(setting, views_, is_lost)),
         problem_(part_of(setting, views_, points_)),
-        setting_{problem_, options_, setting.pool, setting.prepared, hosts_of(setting), {}} {
+        setting_{problem_, options_, setting.pool, setting.prepared, hosts_of(setting), {}},
+        all_(setting.candidates) {
     start_.points = rows_of(start.points, points_);
     state_.points = rows_of(state.points, points_);
     base_.points.assign(points_.size(), true);
@@ -128,13 +129,16 @@ class Aim {
     return hosts;
   }
 
-  // No other image is a candidate.
+  // No other image is a candidate, and this one only of points that it may see.
   void look_through(std::int32_t image) {
-    const std::size_t N = points_.size();
-    setting_.candidates.image.assign(N, image);
-    setting_.candidates.starts.resize(N + 1);
-    for (std::size_t p = 0; p <= N; ++p) {
-      setting_.candidates.starts[p] = static_cast<std::int64_t>(p);
+    Candidates& candidates = setting_.candidates;
+    candidates.image.clear();
+    candidates.starts.assign(1, 0);
+    for (const std::int64_t p : points_) {
+      const auto first = all_.image.begin() + all_.starts[p];
+      const auto last = all_.image.begin() + all_.starts[p + 1];
+      if (std::find(first, last, image) != last) candidates.image.push_back(image);
+      candidates.starts.push_back(candidates.size());
     }
     constraints_ = base_;
     PoseMask held;
@@ -150,6 +154,10 @@ class Aim {
   std::vector<PatchPose> aims(std::int32_t image) const {
     const double turn = kTurn * setting_.prepared.images[image]->width(0) /
                         start_.intrinsics(start_.intrinsics_row(image), 0);
+    std::vector<PatchPose> from_poses = {start_.poses[image]};
+    if (!same_pose(start_.poses[image], state_.poses[image])) {
+      from_poses.push_back(state_.poses[image]);
+    }
     std::vector<PatchPose> poses;
     for (const std::array<int, 2>& to : {std::array<int, 2>{0, 0},
                                          {1, 0},
@@ -163,7 +171,7 @@ class Aim {
       Vector6 xi = Vector6::Zero();
       xi[3] = turn * to[0];
       xi[4] = turn * to[1];
-      for (const PatchPose& from : {start_.poses[image], state_.poses[image]}) {
+      for (const PatchPose& from : from_poses) {
         const Matrix4 T = se3_exp(xi) * from.matrix();
         poses.push_back(
             {quaternion_from_matrix(T.topLeftCorner<3, 3>()), T.topRightCorner<3, 1>()});
@@ -173,7 +181,7 @@ class Aim {
   }
 
   bool align(PhotometricState& state) const {
-    if (static_cast<std::int64_t>(points_.size()) < kMinPoints) return false;
+    if (setting_.candidates.size() < kMinPoints) return false;
     Refinement refinement(setting_, constraints_, start_);
     Refinement::Plan plan;
     plan.num_levels = setting_.prepared.num_levels;
@@ -182,9 +190,10 @@ class Aim {
     std::int64_t seen = 0;
     std::int64_t matched = 0;
     for (std::int64_t p = 0; p < setting_.num_points(); ++p) {
-      if (!is_comparable(views, p, p)) continue;
+      const std::int64_t e = views.scene.starts[p];
+      if (e == views.scene.starts[p + 1] || !is_comparable(views, p, e)) continue;
       ++seen;
-      if (is_matched(views, p, p)) ++matched;
+      if (is_matched(views, p, e)) ++matched;
     }
     return seen >= kMinPoints && static_cast<double>(matched) >= kFound * static_cast<double>(seen);
   }
@@ -196,16 +205,18 @@ class Aim {
   std::vector<std::int64_t> points_;
   PhotometricProblem problem_;
   Setting setting_;
+  const Candidates& all_;
 };
 
 // Takes the points of an image with it, to the depths that they started with.
 void restart_points(const Setting& setting,
+                    const std::vector<bool>& is_held,
                     const PhotometricState& start,
                     std::int32_t image,
                     PhotometricState& state) {
   const PatchPose& pose = state.poses[image];
   for (std::int64_t p = 0; p < setting.num_points(); ++p) {
-    if (setting.hosts.image[p] != image) continue;
+    if (is_held[p] || setting.hosts.image[p] != image) continue;
     const Vector3 q = start.in_camera(image, start.points.row(p));
     state.points.row(p) = (pose.q.conjugate() * (q - pose.t)).transpose();
   }
@@ -232,7 +243,7 @@ std::vector<std::int32_t> find_lost_images(const Setting& setting,
     if (!aim.find(image, progress, state.poses[image], brightness)) continue;
     found.push_back(image);
     state.brightness.row(image) = brightness.transpose();
-    restart_points(setting, start, image, state);
+    restart_points(setting, base.points, start, image, state);
   }
   return found;
 }

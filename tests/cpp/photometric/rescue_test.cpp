@@ -63,6 +63,32 @@ TEST(RescueTest, FindsAnImageByThePointsOfTheOthers) {
   }
 }
 
+TEST(RescueTest, APointThatIsHeldStaysWhereItIs) {
+  LostImage lost;
+  Eigen::Index held = -1;
+  for (Eigen::Index p = 0; p < lost.state.points.rows() && held < 0; ++p) {
+    if (lost.s.setting.hosts.image[p] == kLost) held = p;
+  }
+  lost.base.points[held] = true;
+  EXPECT_EQ(lost.find().size(), 1u);
+  EXPECT_EQ(lost.state.points.row(held), lost.start.points.row(held));
+}
+
+TEST(RescueTest, LooksOnlyAtPointsThatTheImageMaySee) {
+  LostImage lost;
+  Candidates& candidates = lost.s.setting.candidates;
+  Candidates others;
+  others.starts.push_back(0);
+  for (std::int64_t p = 0; p + 1 < static_cast<std::int64_t>(candidates.starts.size()); ++p) {
+    for (std::int64_t e = candidates.starts[p]; e < candidates.starts[p + 1]; ++e) {
+      if (candidates.image[e] != kLost) others.image.push_back(candidates.image[e]);
+    }
+    others.starts.push_back(others.size());
+  }
+  candidates = others;
+  EXPECT_TRUE(lost.find().empty());
+}
+
 TEST(RescueTest, InverseDepthIsNoOther) {
   PhotometricOptions options;
   options.point_parametrization = PointParametrization::INVERSE_DEPTH;
