@@ -90,23 +90,24 @@ class Stages {
         std::filesystem::path(arguments_.file).filename().c_str(), n_, landmarks_ * n_,
         layout_.num_cameras, products, blocks * n_, products / std::max(visits, 1e-9),
         1e9 * preprocess_s_ / n_);
-    // uv, camera and place of an observation, X of a landmark; J, H and g. F and r are kept in the
-    // cache. Flops: projection, J, H, and U, g with all of their 9 × 9.
+    // uv, camera and place of an observation, X of a landmark; H and g. J stays in registers, F and
+    // r in the cache. Flops: projection, J, H, and U, g with all of their 9 × 9.
     const double linearize_s = best([&] { native_.linearize(); });
-    row("linearize", linearize_s, 24 + 96 + landmarks_ * (24 + 72), 150 + 4 * (81 + 9));
-    // A, I, camera and product list; W, g, X; each visited block read and written
+    row("linearize", linearize_s, 24 + landmarks_ * (24 + 72), 150 + 4 * (81 + 9));
+    // camera and product list; W, g, X; each visited block read and written. Flops: J again, Z
     const double damp_s = best([&] { native_.damped(kLambda); });
     row("damp", damp_s, landmarks_ * (48 + 24 + 48), landmarks_ * 40);
     const DampedProblem damped = native_.damped(kLambda);
     const double form_s = best([&] { system_.form(damped); });
     row("form_schur", form_s,
-        100 + 4 * products + visits * (12 + 2 * sizeof(Block)) + landmarks_ * (48 + 24 + 24 + 8),
-        80 + 486 * products + blocks * 4 * 729);
+        4 + 4 * products + visits * (12 + 2 * sizeof(Block)) + landmarks_ * (48 + 24 + 24 + 8),
+        230 + 486 * products + blocks * 4 * 729);
     const double solve_s = best([&] { native_.solve(kLambda); }) - form_s - damp_s;
     row("factor_and_solve", solve_s, columns * columns * 4 / n_,
         columns * columns * columns / 3 / n_);
     const double try_s = best([&] { native_.try_step(); });
-    row("try_step", try_s, 96 + 20 + landmarks_ * (24 + 72 + 48 + 24), 130);
+    // J again, F δ; then each point once more with its H, for the step of its own
+    row("try_step", try_s, 24 + landmarks_ * (24 + 72 + 48 + 24), 350);
     row("iteration", linearize_s + damp_s + form_s + solve_s + try_s, 0, 0);
     std::printf("{\"stage\": \"products\", \"ns_per_product\": %.2f}\n",
                 1e9 * form_s / n_ / products);
