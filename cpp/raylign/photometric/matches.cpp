@@ -11,11 +11,12 @@ namespace {
 
 // Calibrated on 300 results of rendered rooms (2 to 7 images, 120 to 760 points, four patterns,
 // noise 2 to 16, starts 3 to 56 px off), the exercise and 7-Scenes with starts up to 150 px off:
-// the worst image of a right result shows 0.50 to 1.0 of the confirmed points, of a wrong one 0 to
-// 0.43. Of wrong images of two, a third of the edges are matched at most; of wrong images that
-// matched 30 edges before, four fifths at most still do.
+// the worst image of a right result shows 0.56 to 1.0 of the confirmed points (0.50 at noise 16),
+// of a wrong one 0 to 0.50. Of wrong images of two, a third of the edges are matched at most; of
+// wrong images that matched 30 edges before, four fifths at most still do.
 constexpr double kUnexplained = 0.35;
-constexpr double kShown = 0.5;
+constexpr double kShown = 0.53;
+constexpr double kHalf = 0.5;
 constexpr double kConfirmed = 0.15;
 constexpr double kKept = 0.85;
 constexpr std::int64_t kEdgesThatTell = 8;
@@ -80,7 +81,7 @@ bool is_matched(const Views& views, std::int64_t p, std::int64_t e) {
 }
 
 bool ImageMatch::is_right() const {
-  if (num_edges < kEdgesThatTell || reaches(num_after, kShown, num_edges)) return true;
+  if (num_edges < kEdgesThatTell || reaches(num_after, kHalf, num_edges)) return true;
   if (num_before >= kEdgesToKeep && reaches(num_kept, kKept, num_before)) return true;
   return num_confirmed >= kEdgesThatTell && reaches(num_confirmed, kConfirmed, num_tellable) &&
          reaches(num_shown, kShown, num_confirmed);

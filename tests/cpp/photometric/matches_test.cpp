@@ -76,9 +76,9 @@ TEST(MatchesTest, LimitsOfARightImage) {
   EXPECT_TRUE(match.is_right());  // no edge, nothing to say
   match.num_edges = match.num_tellable = 100;
   match.num_confirmed = 38;
-  match.num_after = match.num_shown = 19;
+  match.num_after = match.num_shown = 21;
   EXPECT_TRUE(match.is_right());
-  match.num_shown = 18;
+  match.num_shown = 20;
   EXPECT_FALSE(match.is_right());
   match.num_confirmed = 14;  // too few to mean anything
   EXPECT_FALSE(match.is_right());
