@@ -214,6 +214,8 @@ void bind_statistics(py::class_<Result>& cls) {
   cls.def_readonly("threshold", &Result::threshold, "Scale of the loss, grey levels.");
   cls.def_readonly("noise_ratio", &Result::noise_ratio,
                    "Noise of an image's value over that of a patch's; 0: not balanced.");
+  cls.def_readonly("presmooth", &Result::presmooth,
+                   "σ of the Gaussian that the images were smoothed with, px.");
   cls.def_readonly("gauge", &Result::gauge, "What anchors the result, in words.");
   cls.def_readonly("summary", &Result::summary, "Summary: iterations of all rounds in a row.");
 }
@@ -269,7 +271,10 @@ CramerRaoBound bound_of(const Problem& problem,
                         const BundleConfig& config,
                         const PhotometricOptions& options,
                         const CramerRaoOptions& noise) {
-  const FrozenProblem frozen = freeze(problem, config, options);
+  PhotometricOptions sharp = options;
+  sharp.presmooth =
+      0.0;  // smoothed pixels have no noise of their own, which the bound takes for granted
+  const FrozenProblem frozen = freeze(problem, config, sharp);
   return cramer_rao(frozen.scene, frozen.constraints, noise);
 }
 

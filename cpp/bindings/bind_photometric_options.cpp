@@ -186,7 +186,8 @@ void bind_photometric_options(py::module_& m) {
       .field("warp", &P::warp, "PatchWarp.")
       .field("interpolation", &P::interpolation, "SampleInterpolation.")
       .field("presmooth", &P::presmooth,
-             "σ of a Gaussian on the images, px; not with stored patches.")
+             "σ of a Gaussian on the images, px; 0 with stored patches. Negative: by the noise of "
+             "the pixels, σ: 0.3 √σ and 0.7 at most where σ is a grey level or more, else 0.")
       .field("num_levels", &P::num_levels,
              "Pyramid levels; 0: as many as the expected shift needs.")
       .field("brightness", &P::brightness, "BrightnessOptions.")

@@ -234,6 +234,16 @@ def expose(
     return images
 
 
+def white_patches(truth: Truth, *, exposure: float) -> np.ndarray:
+    """(N,) bool: half of the 4x4 patch or more is brighter in its host than what counts (250)."""
+    reach = np.arange(-2, 2)
+    white = []
+    for host, (u, v) in zip(truth.hosts, truth.host_uv.astype(int), strict=True):
+        patch = truth.irradiance[host][np.ix_(v + reach, u + reach)]
+        white.append(np.mean(exposure * patch > 250.0) >= 0.5)
+    return np.array(white)
+
+
 def perturb(
     truth: Truth,
     *,

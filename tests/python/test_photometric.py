@@ -121,7 +121,7 @@ def test_ctrl_c_keeps_the_best_state(problem):
 
 def test_what_does_not_go_together_is_refused(scene, problem):
     with pytest.raises(raylign.OptionsError, match="presmooth"):
-        PhotometricOptions(presmooth=-1.0)
+        PhotometricOptions(presmooth=float("nan"))
     patches = np.zeros((problem.num_points, 9), np.float32)
     stored = photometric.Problem(
         scene.images, problem.camera(0), scene.T_start, problem.points, patches=patches

@@ -120,6 +120,7 @@ def brightness_bias(*, balanced: bool) -> float:
             images,
             scenes.Start(truth.T_cw, truth.points),
             brightness=BrightnessOptions(balanced=balanced),
+            presmooth=0.0,  # leaves less noise to pull
             num_levels=1,
             max_num_rounds=2,
             hold_out=0,
@@ -161,12 +162,11 @@ def test_wrong_points_are_flagged_or_put_right(disturbed) -> None:
     truth, wrong, _, result = disturbed
     off = scenes.point_errors_px(truth, result) > 1.0
     flagged = result.point_status != PointStatus.OK.value
-    white = (
-        result.point_status == PointStatus.SATURATED.value
-    )  # says what it is; 4 % of the patches
+    white = scenes.white_patches(truth, exposure=scenes.SATURATING)
     assert (wrong & off).sum() > 10
     assert flagged[wrong & off].mean() >= 0.95
-    assert (flagged & ~white)[~wrong].mean() <= 0.05
+    assert flagged[white].mean() >= 0.7  # noise leaves half of a patch on the limit
+    assert flagged[~wrong & ~white].mean() <= 0.03
 
 
 def test_white_pixels_do_not_count_and_leave_coarse_levels_usable() -> None:

@@ -161,6 +161,7 @@ class Adjustment {
     result_.sigma = refinement.law().noise.sigma;
     result_.threshold = refinement.law().loss.scale;
     result_.noise_ratio = after.scene.noise_ratio;
+    result_.presmooth = setting_.prepared.presmooth;
     if (refinement.law().loss.type == LossType::STUDENT_T) {
       result_.nu = refinement.law().loss.degrees_of_freedom;
     }
@@ -171,7 +172,7 @@ class Adjustment {
     if (options_.covariance == CovarianceScope::NONE) return;
     CovarianceOptions options;
     options.points = options_.covariance == CovarianceScope::ALL;
-    options.presmooth = options_.presmooth;
+    options.presmooth = setting_.prepared.presmooth;
     options.prior_unit = refinement.law().unit;
     const FrozenProblem solve =
         refinement.make_solve(views, std::vector<bool>(setting_.num_points(), true));

@@ -58,7 +58,7 @@ void PhotometricOptions::validate() const {
         to_string(point_parametrization));
   }
   pattern.validate();
-  require_not_negative("PhotometricOptions.presmooth", presmooth);
+  require_option(std::isfinite(presmooth), "PhotometricOptions.presmooth", "finite", presmooth);
   require_option(num_levels >= 0, "PhotometricOptions.num_levels", ">= 0", num_levels);
   brightness.validate();
   noise.validate();

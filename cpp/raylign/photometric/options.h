@@ -88,7 +88,9 @@ struct PhotometricOptions {
   PatchPattern pattern = PatchPattern::square(4);
   PatchWarp warp = PatchWarp::AUTO;
   SampleInterpolation interpolation = SampleInterpolation::CUBIC_BSPLINE;
-  double presmooth = 0.0;  ///< σ of a Gaussian on the images, px; not with stored patches
+  /// σ of a Gaussian on the images, px; 0 with stored patches. Negative: by the noise of the
+  /// pixels, σ: 0.3 √σ and 0.7 at most where σ is a grey level or more, else 0.
+  double presmooth = 0.0;
   /// Pyramid levels; 0: as many as the expected shift needs, and where images end lost, more
   /// attempts: they are looked for by the points of the others, then all again on all levels.
   int num_levels = 0;

@@ -38,6 +38,7 @@ class PixelMask {
 struct PreparedImages {
   std::vector<std::shared_ptr<const PatchImage>> images;  ///< (M,)
   std::vector<PixelMask> masks;                           ///< (M,)
+  double presmooth = 0.0;                                 ///< σ of the Gaussian on them, px
   SampledNoise noise;                                     ///< of what is read from them
   int num_levels = 1;                                     ///< that all images have
 };

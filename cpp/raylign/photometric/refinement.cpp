@@ -113,7 +113,8 @@ PhotometricRound describe(int level,
 RoundLaw estimate_law(const Setting& setting, const Views& views, const std::vector<bool>& active) {
   const NoiseOptions& options = setting.options.noise;
   NoiseLawOptions fit;
-  fit.sensor_sigma = options.sensor_sigma;
+  // of a pixel as it is after smoothing
+  fit.sensor_sigma = options.sensor_sigma * std::sqrt(setting.prepared.noise.value(0.0, 0.0));
   fit.nu = options.nu;
   RoundLaw law;
   law.noise = fit_noise_law(residuals_of(setting, views, active), fit);

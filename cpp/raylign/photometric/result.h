@@ -86,6 +86,7 @@ struct PhotometricResult {
   double nu = -1.0;                     ///< degrees of freedom of Student's t; −1: another law
   double threshold = -1.0;   ///< scale of the loss: σ, of HUBER and CAUCHY their threshold
   double noise_ratio = 0.0;  ///< κ of the residuals, PatchScene::noise_ratio
+  double presmooth = 0.0;    ///< σ of the Gaussian that the images were smoothed with, px
 
   std::string gauge;  ///< what anchors the result, in words
   std::vector<PhotometricRound> rounds;

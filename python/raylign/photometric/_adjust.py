@@ -62,6 +62,7 @@ def preset(name: str) -> Preset:
     options = PhotometricOptions(
         warp=PatchWarp.NONE,
         interpolation=SampleInterpolation.CENTRAL_DIFFERENCE,
+        presmooth=0.0,
         num_levels=1,
         brightness=BrightnessOptions(model=BrightnessModel.NONE, balanced=False),
         noise=NoiseOptions(loss=LossType.HUBER, scope=LossScope.PATCH, scale=1.0),

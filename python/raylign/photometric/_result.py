@@ -42,6 +42,7 @@ class PhotometricResult:
         image_rms_before, image_rms_after (M,): RMS residual, grey levels; NaN: none.
         shift_px: (M,) median motion of the projections.
         sigma, nu, threshold: the fitted law, grey levels.
+        presmooth: σ px of the Gaussian that the images were smoothed with.
         noise_ratio: κ of the residuals' scale √((1 + κ) / (1 + κ e^{2 (a_j − a_h)})); 0: none.
         hosts, host_uv, patches, normals: what the images were compared with.
         gauge: what anchors the result, in words.

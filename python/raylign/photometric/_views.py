@@ -6,7 +6,7 @@ import numpy as np
 
 from raylign import geometry
 from raylign._core import PatchWarp
-from raylign._typing import F64, AnyArray
+from raylign._typing import F32, F64, AnyArray
 from raylign.image import BSplineImage
 
 _LEAST_DEPTH = 1e-9
@@ -30,9 +30,24 @@ def view_values(result: Any, edges: AnyArray, *, start: bool = False) -> F64:
         A = _warps(result, T_cw, points[point[mine]], j, point[mine], host[mine])
         at = uv[:, None] + np.einsum("eij,nj->eni", A, offsets)
         at[z <= _LEAST_DEPTH] = np.nan
-        values[mine] = BSplineImage(problem.image(j)).sample(at)[0]
+        pixels = _smoothed(problem.image(j), float(core.presmooth))
+        values[mine] = BSplineImage(pixels).sample(at)[0]
     gain, offset = _edge_brightness(core, edges)
     return np.asarray(gain[:, None] * values + offset[:, None])
+
+
+def _smoothed(image: F32, sigma: float) -> F32:
+    """Gaussian blur as before a solve."""
+    if sigma <= 0.0:
+        return image
+    radius = int(np.ceil(4.0 * sigma))
+    kernel = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
+    kernel /= kernel.sum()
+    padded = np.pad(image.astype(np.float64), radius, mode="edge")
+    height, width = image.shape
+    rows = sum(w * padded[:, k : k + width] for k, w in enumerate(kernel))
+    blurred = sum(w * rows[k : k + height] for k, w in enumerate(kernel))
+    return np.asarray(blurred, np.float32)
 
 
 def _edge_brightness(core: Any, edges: AnyArray) -> tuple[F64, F64]:
