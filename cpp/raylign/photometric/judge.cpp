@@ -135,7 +135,7 @@ void mark_diverged(const Setting& setting, double sigma, Views& views) {
         ++num_other;
       }
     }
-    if (2 * num_other < num_ok || num_ok == 0) return;
+    if (2 * num_other <= num_ok) return;
     views.points[p] = PointStatus::DIVERGED;
     for (std::int64_t e = scene.starts[p]; e < scene.starts[p + 1]; ++e) {
       if (views.edges[e] == EdgeStatus::OK) views.edges[e] = EdgeStatus::NOT_USED;

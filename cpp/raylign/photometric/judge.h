@@ -19,8 +19,8 @@ Match match_of(const PatchScene& scene, std::int64_t p, const PatchEdge& edge);
 /// points that are not used to NOT_USED.
 void judge(const Setting& setting, const PatchSources& sources, Views& views);
 
-/// The stricter look at a final state: DIVERGED, where half of the views that a round has let pass
-/// as near enough to converge show something else than the patch at this noise after all.
+/// The stricter look at a final state: DIVERGED, where more than half of the views that a round has
+/// let pass as near enough to converge show something else than the patch at this noise after all.
 /// @param sigma  of a pixel's residual, grey levels
 void mark_diverged(const Setting& setting, double sigma, Views& views);
 
