@@ -91,6 +91,7 @@ void InverseDepthConverter::start_row(const float* D, int v, int width) {
   };
   float* low = ring_row(low_, v, width);
   float* high = ring_row(high_, v, width);
+  if (model_.edge_radius == 2) return kernels::wide_extremes_row(D, width, low, high);
   float* other_low = scratch_row(low_);
   float* other_high = scratch_row(high_);
   // to and fro, such that the last pass ends in the ring
@@ -115,11 +116,12 @@ void InverseDepthConverter::finish_row(int v, int width, int height, float* D, f
     };
     float* scratch = ring.data() + std::int64_t{2 * radius + 1} * width;
     const float* middle = row(0);
-    for (int k = radius; k > 1; --k) {
+    for (int k = radius; k > 2; --k) {
       reduce(kernels::Rows{row(-k), middle, row(k)}, width, scratch);
       middle = scratch;
     }
-    return kernels::Rows{row(-1), middle, row(1)};
+    const int last = std::min(radius, 2);
+    return kernels::FiveRows{row(-last), row(-1), middle, row(1), row(last)};
   };
   const std::int64_t first = std::int64_t{v} * width;
   kernels::finish_row(window(low_, kernels::min3_rows), window(high_, kernels::max3_rows), width,

@@ -66,6 +66,23 @@ RAYLIGN_CLONES void extremes_row(const float* D, int width, float* low, float* h
   high[last] = higher(D[last], D[last - 1]);
 }
 
+RAYLIGN_CLONES void wide_extremes_row(const float* D, int width, float* low, float* high) {
+#pragma GCC ivdep
+  for (int u = 2; u < width - 2; ++u) {
+    low[u] = lower(lower(low_of(D[u]), lower(low_of(D[u - 1]), low_of(D[u + 1]))),
+                   lower(low_of(D[u - 2]), low_of(D[u + 2])));
+    high[u] = higher(higher(D[u], higher(D[u - 1], D[u + 1])), higher(D[u - 2], D[u + 2]));
+  }
+  for (int u = 0; u < width; u += u == 1 && width > 4 ? width - 3 : 1) {
+    low[u] = low_of(D[u]);
+    high[u] = D[u];
+    for (int k = u < 2 ? 0 : u - 2; k < width && k <= u + 2; ++k) {
+      low[u] = lower(low[u], low_of(D[k]));
+      high[u] = higher(high[u], D[k]);
+    }
+  }
+}
+
 RAYLIGN_CLONES void min3_row(const float* in, int width, float* out) {
   for (int u = 1; u < width - 1; ++u) out[u] = lower(in[u], lower(in[u - 1], in[u + 1]));
   const int last = width - 1;
@@ -90,20 +107,22 @@ RAYLIGN_CLONES void max3_rows(const Rows& rows, int width, float* out) {
   for (int u = 0; u < width; ++u) out[u] = higher(r.above[u], higher(r.here[u], r.below[u]));
 }
 
-RAYLIGN_CLONES void finish_row(const Rows& low,
-                               const Rows& high,
+RAYLIGN_CLONES void finish_row(const FiveRows& low,
+                               const FiveRows& high,
                                int width,
                                float ratio,
                                const DepthNoiseLaw<float>& law,
                                float* D,
                                float* V) {
-  const Rows l = low;
-  const Rows h = high;
+  const FiveRows l = low;
+  const FiveRows h = high;
   const DepthNoiseLaw<float> noise = law;
 #pragma GCC ivdep
   for (int u = 0; u < width; ++u) {
-    const float lowest = lower(l.above[u], lower(l.here[u], l.below[u]));
-    const float highest = higher(h.above[u], higher(h.here[u], h.below[u]));
+    const float lowest =
+        lower(lower(l.above[u], lower(l.here[u], l.below[u])), lower(l.above2[u], l.below2[u]));
+    const float highest =
+        higher(higher(h.above[u], higher(h.here[u], h.below[u])), higher(h.above2[u], h.below2[u]));
     const float kept = highest - lowest > ratio * D[u] ? 0.0F : D[u];
     D[u] = kept;
     V[u] = variance(kept, noise);

@@ -25,6 +25,8 @@ void variance_row(const float* D, int width, const DepthNoiseLaw<float>& law, fl
 
 /// low and high = min and max of D[u − 1 … u + 1], clipped at the ends; a D of 0 does not count.
 void extremes_row(const float* D, int width, float* low, float* high);
+/// The same of D[u − 2 … u + 2].
+void wide_extremes_row(const float* D, int width, float* low, float* high);
 /// out[u] = min/max of in[u − 1 … u + 1], clipped at the ends.
 void min3_row(const float* in, int width, float* out);
 void max3_row(const float* in, int width, float* out);
@@ -39,9 +41,18 @@ struct Rows {
 /// out = min/max of three rows.
 void min3_rows(const Rows& rows, int width, float* out);
 void max3_rows(const Rows& rows, int width, float* out);
-/// D = 0 where the highest of three rows less the lowest exceeds ratio · D; V as variance_row.
-void finish_row(const Rows& low,
-                const Rows& high,
+/// A row with the two above and the two below it.
+struct FiveRows {
+  const float* above2;
+  const float* above;
+  const float* here;
+  const float* below;
+  const float* below2;
+};
+
+/// D = 0 where the highest of five rows less the lowest exceeds ratio · D; V as variance_row.
+void finish_row(const FiveRows& low,
+                const FiveRows& high,
                 int width,
                 float ratio,
                 const DepthNoiseLaw<float>& law,
