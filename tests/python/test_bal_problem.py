@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import raylign
-from conftest import make_tiny_problem
 from raylign.io import read_bal
 from raylign.scene import BalProblem, ProblemStatistics
+from tiny_problem import make_tiny_problem
 
 ARRAYS = ["cameras", "points", "camera_index", "point_index", "observations", "colors"]
 

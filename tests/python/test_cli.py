@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import raylign
-from conftest import make_tiny_problem
 from raylign import bundle, cli, synthetic, viz
 from raylign.cli import _choices as choices
 from raylign.cli import bundle as bundle_command
@@ -19,6 +18,7 @@ from raylign.cli._progress import table_row
 from raylign.io import read_bal, read_npz, write_bal, write_npz
 from raylign.robust import Loss, LossType
 from raylign.scene import BalProblem
+from tiny_problem import make_tiny_problem
 
 
 def run(*arguments: str | Path) -> Result:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from conftest import make_tiny_problem
 from raylign.io import read_bal, write_bal
+from tiny_problem import make_tiny_problem
 
 COMMAND = [sys.executable, "-c", "from raylign.cli import main; main()"]
 ENVIRONMENT = {**os.environ, "COLUMNS": "200", "PYTHONUNBUFFERED": "1"}

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import raylign
-from conftest import make_tiny_problem
 from raylign.io import read_bal, write_bal
+from tiny_problem import make_tiny_problem
 
 # Two cameras, three points, four observations. Lines: 1 header, 2-5 observations, 6-23 cameras,
 # 24-32 points; every malformed case below is this text with one thing broken.
@@ -479,7 +479,7 @@ class TestWrite:
         path.write_text("old")
         script = textwrap.dedent("""
             import resource, signal, sys, raylign
-            from conftest import make_tiny_problem
+            from tiny_problem import make_tiny_problem
             from raylign.io import write_bal
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import make_tiny_problem
 from raylign import FormatError, OptionsError
 from raylign.io import read_bal, read_npz, resolve_duplicates, write_bal, write_npz, write_ply
 from raylign.scene import BalProblem
+from tiny_problem import make_tiny_problem
 
 POLICIES = ["first", "mean", "keep"]
 

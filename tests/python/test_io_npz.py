@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import raylign
-from conftest import make_tiny_problem
 from raylign.io import read_npz, write_npz
+from tiny_problem import make_tiny_problem
 
 
 class Unpickled:

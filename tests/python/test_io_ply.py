@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import raylign
-from conftest import make_tiny_problem
 from raylign.io import PlySummary, write_ply, write_ply_points
+from tiny_problem import make_tiny_problem
 
 VERTEX = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3)])
 FACE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])

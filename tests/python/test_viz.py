@@ -9,12 +9,12 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from conftest import make_tiny_problem
 from raylign import ShapeError, bundle, viz
 from raylign._json import jsonable
 from raylign.scene import BalProblem
 from raylign.viz import cost as cost_module
 from raylign.viz import point_cloud, residuals, sparsity
+from tiny_problem import make_tiny_problem
 
 PICTURES = ["point_cloud.png", "cost.png", "residuals.png", "sparsity.png"]
 
