@@ -1,6 +1,6 @@
 """Write the tables of the documentation and its figures from a results file.
 
-    .venv/bin/python benchmarks/report.py benchmarks/results/2026-11-22.json
+    .venv/bin/python benchmarks/report.py benchmarks/results/2026-11-23.json
 
 Whatever stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in docs/benchmarks*.md is
 replaced by the table NAME; prose around it is written by hand.
