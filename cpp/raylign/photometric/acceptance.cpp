@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "raylign/geometry/se3.h"
+#include "raylign/photometric/constraints.h"
 
 namespace raylign::photometric {
 namespace {
@@ -38,12 +39,7 @@ Views refined_alone(const Setting& setting,
                     const std::vector<bool>& held_out,
                     PhotometricState& state) {
   PatchConstraints points_only = base;
-  PoseMask all;
-  all.translation.fill(true);
-  all.rotation = true;
-  std::fill(points_only.poses.begin(), points_only.poses.end(), all);
-  std::fill(points_only.brightness.begin(), points_only.brightness.end(),
-            std::array<bool, 2>{true, true});
+  for (std::size_t i = 0; i < points_only.poses.size(); ++i) hold_image(i, points_only);
   std::fill(points_only.intrinsics.begin(), points_only.intrinsics.end(),
             std::array<bool, 4>{true, true, true, true});
   const PhotometricState start = state;

@@ -106,7 +106,7 @@ class Adjustment {
     if (returns_refined() && active != std::vector<bool>(active.size(), true)) {
       finish_with_all_points(refinement, attempt.state);
     }
-    return report(refinement, attempt.state);
+    return report(refinement, attempts.before(), attempt.state);
   }
 
   FrozenProblem freeze() {
@@ -144,12 +144,13 @@ class Adjustment {
     refinement.run(plan, std::vector<bool>(setting_.num_points(), true), &progress_, state);
   }
 
-  PhotometricResult report(const Refinement& refinement, const PhotometricState& refined) {
+  PhotometricResult report(const Refinement& refinement,
+                           const Views& before,
+                           const PhotometricState& refined) {
     result_.messages.insert(result_.messages.end(), refinement.messages().begin(),
                             refinement.messages().end());
     const PhotometricState& state = returns_refined() ? refined : given_;
     store(state, given_, setting_.problem, result_);
-    const Views before = find_views(setting_, start_, 0);
     Views after = returns_refined() ? find_views(setting_, refined, 0) : before;
     if (returns_refined() && options_.visibility.rule == VisibilityRule::AUTO) {
       mark_diverged(setting_, refinement.law().noise.sigma, after);

@@ -35,6 +35,7 @@ class Attempts {
   /// by the points that the right ones agree on; then all again from the start on all levels.
   Attempt run(int num_levels);
 
+  const Views& before() const { return before_; }  ///< at the start, on level 0
   const std::vector<std::string>& messages() const { return messages_; }  ///< for the user
 
  private:

@@ -199,6 +199,12 @@ void hold_unused(const PatchScene& scene,
   }
 }
 
+void hold_image(std::size_t i, PatchConstraints& constraints) {
+  constraints.poses[i].translation.fill(true);
+  constraints.poses[i].rotation = true;
+  constraints.brightness[i] = {true, true};
+}
+
 std::string describe_gauge(const Setting& setting, const BundleConfig& config) {
   std::string text;
   const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };

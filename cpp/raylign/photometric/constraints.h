@@ -30,6 +30,9 @@ void hold_unused(const PatchScene& scene,
                  const std::vector<bool>& held,
                  PatchConstraints& constraints);
 
+/// Holds the pose and the brightness of an image.
+void hold_image(std::size_t i, PatchConstraints& constraints);
+
 /// "first camera and the scale", … for people.
 std::string describe_gauge(const Setting& setting, const BundleConfig& config);
 

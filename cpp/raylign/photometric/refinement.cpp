@@ -56,10 +56,7 @@ void hold_unseen_images(const Setting& setting,
     }
   }
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] >= kMinEdgesPerImage) continue;
-    constraints.poses[i].translation.fill(true);
-    constraints.poses[i].rotation = true;
-    constraints.brightness[i] = {true, true};
+    if (counts[i] < kMinEdgesPerImage) hold_image(i, constraints);
   }
 }
 

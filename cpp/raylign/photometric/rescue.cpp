@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "raylign/geometry/se3.h"
+#include "raylign/photometric/constraints.h"
 #include "raylign/photometric/matches.h"
 
 namespace raylign::photometric {
@@ -141,13 +142,8 @@ class Aim {
       candidates.starts.push_back(candidates.size());
     }
     constraints_ = base_;
-    PoseMask held;
-    held.translation.fill(true);
-    held.rotation = true;
     for (std::size_t i = 0; i < constraints_.poses.size(); ++i) {
-      if (static_cast<std::int32_t>(i) == image) continue;
-      constraints_.poses[i] = held;
-      constraints_.brightness[i] = {true, true};
+      if (static_cast<std::int32_t>(i) != image) hold_image(i, constraints_);
     }
   }
 
