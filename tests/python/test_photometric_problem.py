@@ -99,6 +99,16 @@ def test_patches_have_as_many_numbers_as_their_pattern(images):
         make(images, patches=patches, pattern=photometric.PatchPattern.parse("4x4"))
     custom = photometric.PatchPattern([(u, v) for u in range(5) for v in range(3)])
     assert make(images, patches=patches, pattern=custom).patch_size == 15
+    with pytest.raises(raylign.ShapeError, match=r"patches .*16.*\(20, 15\)"):
+        make(images, patches=patches, pattern="4x4")
+    with pytest.raises(raylign.OptionsError):
+        make(images, patches=patches, pattern="7q")
+
+
+@pytest.mark.parametrize("width", [1e9, np.nan, np.inf])
+def test_a_blur_without_bounds_is_refused(width):
+    with pytest.raises(raylign.OptionsError, match=r"presmooth must be finite and <= 100"):
+        photometric.PhotometricOptions(presmooth=width)
 
 
 def bad_pose(row: int, value) -> np.ndarray:

@@ -58,7 +58,9 @@ void PhotometricOptions::validate() const {
         to_string(point_parametrization));
   }
   pattern.validate();
-  require_option(std::isfinite(presmooth), "PhotometricOptions.presmooth", "finite", presmooth);
+  constexpr double kWidest = 100.0;  // px: the kernel of the blur is eight times as wide
+  require_option(std::isfinite(presmooth) && presmooth <= kWidest, "PhotometricOptions.presmooth",
+                 "finite and <= 100 px", presmooth);
   require_option(num_levels >= 0, "PhotometricOptions.num_levels", ">= 0", num_levels);
   brightness.validate();
   noise.validate();

@@ -84,13 +84,15 @@ def optional(value: npt.ArrayLike | None, name: str, shape: tuple[int, ...]) -> 
 
 
 def patches_by_column(
-    patches: npt.ArrayLike | None, num_points: int, order: str, pattern: PatchPattern | None
+    patches: npt.ArrayLike | None, num_points: int, order: str, pattern: PatchPattern | str | None
 ) -> F32 | None:
     """(N, n) float32 by columns, or None; n is the pattern's, where that is known."""
     if order not in ("column", "row"):
         raise OptionsError(f"patch_order must be 'column' or 'row', got {order!r}")
     if patches is None:
         return None
+    if isinstance(pattern, str):
+        pattern = PatchPattern.parse(pattern)
     size = None if pattern is None else pattern.size
     values = as_f64(patches, "patches", (num_points, size)).astype(np.float32)
     if order == "row":

@@ -100,7 +100,7 @@ class Problem:
         *,
         convention: str = "cw",
         patches: npt.ArrayLike | None = None,
-        pattern: PatchPattern | None = None,
+        pattern: PatchPattern | str | None = None,
         patch_order: str = "column",
         host: npt.ArrayLike | str | None = None,
         host_uv: npt.ArrayLike | None = None,
