@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "raylign/bundle/native/make_solver.h"
-
 namespace raylign::native {
 namespace {
 
@@ -20,7 +18,10 @@ constexpr double kMaxDensityToOrder = 0.5;
 AutoSolver::AutoSolver(const LinearSolverOptions& options,
                        const SolverContext& context,
                        InterruptCheck interrupted)
-    : options_(options), context_(context), interrupted_(std::move(interrupted)) {
+    : options_(options),
+      context_(context),
+      interrupted_(std::move(interrupted)),
+      structure_{{context.layout, moving_cameras(context.cameras)}, {}} {
   count();
   const SolveCosts costs = predict_costs(counts_);
   choose(cheapest(costs));
@@ -29,7 +30,7 @@ AutoSolver::AutoSolver(const LinearSolverOptions& options,
 }
 
 void AutoSolver::count() {
-  const SchurPattern pattern(context_.layout, moving_cameras(context_.cameras));
+  const SchurPattern& pattern = structure_.pattern;
   counts_.observations = static_cast<double>(context_.layout.num_observations());
   counts_.columns = context_.cameras.num_columns();
   counts_.pairs = static_cast<double>(pattern.num_pairs);
@@ -37,9 +38,9 @@ void AutoSolver::count() {
   const double cameras = pattern.num_cameras();
   if (!has_sparse_cholesky() || 2.0 * counts_.blocks > kMaxDensityToOrder * cameras * cameras)
     return;
-  ordering_ = order_cameras(pattern);
-  counts_.sparse_flops = ordering_.flops;
-  counts_.sparse_nonzeros = ordering_.nonzeros;
+  structure_.ordering = order_cameras(pattern);
+  counts_.sparse_flops = structure_.ordering.flops;
+  counts_.sparse_nonzeros = structure_.ordering.nonzeros;
 }
 
 void AutoSolver::choose(SolveMethod method) {
@@ -54,7 +55,7 @@ void AutoSolver::choose(SolveMethod method) {
                        options.preconditioner == Preconditioner::STALE_FACTOR;
   if (needs_S && !options.explicit_schur) options.preconditioner = Preconditioner::SCHUR_JACOBI;
   solver_.reset();  // before the next one takes memory
-  solver_ = make_requested_solver(options, context_, interrupted_, &ordering_);
+  solver_ = make_requested_solver(options, context_, interrupted_, &structure_);
 }
 
 void AutoSolver::reconsider(int iterations) {

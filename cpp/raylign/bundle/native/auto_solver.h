@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "raylign/bundle/native/camera_ordering.h"
 #include "raylign/bundle/native/conjugate_gradients.h"
 #include "raylign/bundle/native/linear_solver.h"
+#include "raylign/bundle/native/make_solver.h"
 #include "raylign/bundle/native/solver_costs.h"
 
 namespace raylign::native {
@@ -33,7 +33,7 @@ class AutoSolver : public LinearSolver {
   SolverContext context_;
   InterruptCheck interrupted_;
   SolveCounts counts_;
-  SparseOrdering ordering_;
+  SchurStructure structure_;
   SolveMethod method_ = SolveMethod::DENSE;
   int num_steps_ = 0;
   double mean_iterations_ = SolveCounts().cg_iterations;

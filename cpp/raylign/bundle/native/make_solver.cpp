@@ -79,18 +79,19 @@ void check_linear_solver(const LinearSolverOptions& options) {
 std::unique_ptr<LinearSolver> make_requested_solver(const LinearSolverOptions& options,
                                                     const SolverContext& context,
                                                     const InterruptCheck& interrupted,
-                                                    const SparseOrdering* ordering) {
+                                                    const SchurStructure* known) {
   auto moving = moving_cameras(context.cameras);
   if (options.type == LinearSolverType::ITERATIVE_SCHUR && !options.explicit_schur) {
     return make_iterative(options, context, SchurPattern::diagonal(std::move(moving)), interrupted);
   }
-  SchurPattern pattern(context.layout, std::move(moving));
+  SchurPattern pattern =
+      known != nullptr ? known->pattern : SchurPattern(context.layout, std::move(moving));
   if (options.type == LinearSolverType::ITERATIVE_SCHUR) {
     return make_iterative(options, context, std::move(pattern), interrupted);
   }
   std::unique_ptr<SchurFactor> factor;
   if (options.type == LinearSolverType::SPARSE_SCHUR) {
-    auto order = ordering != nullptr ? ordering->cameras : order_cameras(pattern).cameras;
+    auto order = known != nullptr ? known->ordering.cameras : order_cameras(pattern).cameras;
     factor = std::make_unique<SupernodalCholesky>(context.cameras, pattern, std::move(order),
                                                   context.pool);
   } else {

@@ -23,10 +23,16 @@ std::unique_ptr<LinearSolver> make_linear_solver(const LinearSolverOptions& opti
                                                  const SolverContext& context,
                                                  const InterruptCheck& interrupted);
 
-/// The solver that the options name, which is not AUTO. `ordering`: of the cameras, or null.
+/// What AUTO has found of S by the time it chooses; solvers made from it need not find it again.
+struct SchurStructure {
+  SchurPattern pattern;
+  SparseOrdering ordering;  ///< empty: not looked for
+};
+
+/// The solver that the options name, which is not AUTO. `known`: or null.
 std::unique_ptr<LinearSolver> make_requested_solver(const LinearSolverOptions& options,
                                                     const SolverContext& context,
                                                     const InterruptCheck& interrupted,
-                                                    const SparseOrdering* ordering = nullptr);
+                                                    const SchurStructure* known = nullptr);
 
 }  // namespace raylign::native
