@@ -136,14 +136,11 @@ TEST_P(LinearSolvers, FactorsSolve) {
   const std::vector<double> b = problem_.random_rows();
   const Eigen::VectorXd expected = problem_.S.llt().solve(problem_.packed(b));
   DenseCholesky dense(problem_.cameras(), problem_.context().pool);
-  std::unique_ptr<SchurFactor> sparse;
-  if (has_sparse_cholesky()) {
-    const SchurPattern& pattern = problem_.system.pattern();
-    sparse = std::make_unique<SupernodalCholesky>(
-        problem_.cameras(), pattern, order_cameras(pattern).cameras, problem_.context().pool);
-  }
-  for (SchurFactor* factor : {static_cast<SchurFactor*>(&dense), sparse.get()}) {
-    if (factor == nullptr) continue;
+  const SchurPattern& pattern = problem_.system.pattern();
+  SupernodalCholesky sparse(problem_.cameras(), pattern, order_cameras(pattern).cameras,
+                            problem_.context().pool);
+  for (SchurFactor* factor :
+       {static_cast<SchurFactor*>(&dense), static_cast<SchurFactor*>(&sparse)}) {
     ASSERT_TRUE(factor->factor(problem_.system));
     Eigen::VectorXd x = problem_.packed(b);
     factor->solve(x.data());

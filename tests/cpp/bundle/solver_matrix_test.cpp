@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "raylign/bundle/bundle_adjuster.h"
-#include "raylign/bundle/native/camera_ordering.h"
 #include "raylign/synthetic/bal.h"
 #include "support/small_problem.h"
 
@@ -29,9 +28,6 @@ struct Solver {
 class SolverMatrix : public testing::TestWithParam<Solver> {
  protected:
   void SetUp() override {
-    if (GetParam().type == LinearSolverType::SPARSE_SCHUR && !native::has_sparse_cholesky()) {
-      GTEST_SKIP() << "built without CHOLMOD";
-    }
     options_.backend = Backend::NATIVE;
     options_.linear_solver.type = GetParam().type;
     options_.linear_solver.preconditioner = GetParam().preconditioner;

@@ -1,6 +1,7 @@
 raylign_add_test(bundle allocation_test.cpp)
 raylign_add_test(bundle camera_blocks_test.cpp)
 raylign_add_test(bundle camera_kinds_test.cpp)
+raylign_add_test(bundle camera_ordering_test.cpp LINK raylign_synthetic)
 raylign_add_test(bundle jacobian_table_test.cpp LINK raylign_synthetic)
 raylign_add_test(bundle kernels_test.cpp)
 raylign_add_test(bundle linear_solvers_test.cpp LINK raylign_synthetic)

@@ -36,8 +36,7 @@ void AutoSolver::count() {
   counts_.pairs = static_cast<double>(pattern.num_pairs);
   counts_.blocks = static_cast<double>(pattern.num_blocks());
   const double cameras = pattern.num_cameras();
-  if (!has_sparse_cholesky() || 2.0 * counts_.blocks > kMaxDensityToOrder * cameras * cameras)
-    return;
+  if (2.0 * counts_.blocks > kMaxDensityToOrder * cameras * cameras) return;
   structure_.ordering = order_cameras(pattern);
   counts_.sparse_flops = structure_.ordering.flops;
   counts_.sparse_nonzeros = structure_.ordering.nonzeros;

@@ -9,10 +9,6 @@
 
 namespace raylign::native {
 
-/// Whether the library was built with CHOLMOD (CMake option RAYLIGN_USE_CHOLMOD), whose orderings a
-/// sparse factor needs.
-bool has_sparse_cholesky();
-
 /// A fill-reducing order of the cameras and what a factor in it costs.
 struct SparseOrdering {
   std::vector<std::int32_t> cameras;  ///< moving cameras in the order of elimination, postordered
@@ -21,8 +17,8 @@ struct SparseOrdering {
   double nonzeros = 0.0;              ///< of the factor
 };
 
-/// The cheaper one of approximate minimum degree and nested dissection on the graph of cameras: a
-/// node is a camera, so the graph has 1/81 of the edges of the matrix.
+/// The cheaper one of minimum degree (minimum_degree.h) and, where the build has it, nested
+/// dissection (nested_dissection.h) on the graph of cameras.
 SparseOrdering order_cameras(const SchurPattern& pattern);
 
 }  // namespace raylign::native

@@ -55,10 +55,6 @@ std::string missing_linear_solver(const LinearSolverOptions& options) {
     return "LinearSolverOptions.type with backend NATIVE must be one of AUTO, DENSE_SCHUR, "
            "SPARSE_SCHUR, ITERATIVE_SCHUR, got dense_normal_cholesky; backend CERES has it";
   }
-  if (type == LinearSolverType::SPARSE_SCHUR && !has_sparse_cholesky()) {
-    return "LinearSolverOptions.type SPARSE_SCHUR with backend NATIVE needs a build with CHOLMOD "
-           "(CMake option RAYLIGN_USE_CHOLMOD); use DENSE_SCHUR, ITERATIVE_SCHUR or backend CERES";
-  }
   if (type == LinearSolverType::ITERATIVE_SCHUR &&
       (kind == Preconditioner::CLUSTER_JACOBI || kind == Preconditioner::CLUSTER_TRIDIAGONAL)) {
     return "LinearSolverOptions.preconditioner " + to_string(kind) +

@@ -13,7 +13,7 @@ namespace raylign::native {
 
 /// What of the call the engine does not have, in words that name a way out; empty: it has all.
 /// Inverse-depth points, more than three free intrinsics of a camera, DENSE_NORMAL_CHOLESKY, the
-/// preconditioners of Ceres alone, SPARSE_SCHUR in a build without CHOLMOD.
+/// preconditioners of Ceres alone.
 std::string missing_feature(const BundleScene& scene,
                             const BundleConfig& config,
                             const BundleOptions& options);
