@@ -10,11 +10,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "raylign/base/blas_threads.h"
 #include "raylign/base/stopwatch.h"
+#include "raylign/bundle/native/camera_ordering.h"
+#include "raylign/bundle/native/dense_cholesky.h"
 #include "raylign/bundle/native/reprojection_problem.h"
 #include "raylign/bundle/native/schur_system.h"
+#include "raylign/bundle/native/supernodal_cholesky.h"
+#include "raylign/bundle/native/two_level.h"
 #include "raylign/io/bal.h"
 #include "raylign/parametrization/constants.h"
 
@@ -102,26 +107,84 @@ class Stages {
     row("form_schur", form_s,
         4 + 4 * products + visits * (12 + 2 * sizeof(Block)) + landmarks_ * (48 + 24 + 24 + 8),
         230 + 486 * products + blocks * 4 * 729);
-    const double solve_s = best([&] { native_.solve(kLambda); }) - form_s - damp_s;
-    row("factor_and_solve", solve_s, columns * columns * 4 / n_,
-        columns * columns * columns / 3 / n_);
+    print_solvers(damped, columns);
+    native_.solve(kLambda);
     const double try_s = best([&] { native_.try_step(); });
     // J again, F δ; then each point once more with its H, for the step of its own
     row("try_step", try_s, 24 + landmarks_ * (24 + 72 + 48 + 24), 350);
-    row("iteration", linearize_s + damp_s + form_s + solve_s + try_s, 0, 0);
+    row("iteration", linearize_s + damp_s + form_s + solve_s_ + try_s, 0, 0);
     std::printf("{\"stage\": \"products\", \"ns_per_product\": %.2f}\n",
                 1e9 * form_s / n_ / products);
   }
 
  private:
   static constexpr double kLambda = 1e-4;
+  static constexpr double kMaxFlops = 1e11;  // of a factor: more take minutes
 
   static BundleOptions make_options(const Arguments& arguments) {
     BundleOptions options;
     options.pose_parametrization = arguments.pose;
-    options.linear_solver.type = LinearSolverType::DENSE_SCHUR;
     options.lm.num_threads = arguments.threads;
     return options;
+  }
+
+  // What solves S δ = b: each way to factor it, and what conjugate gradients repeat.
+  void print_solvers(const DampedProblem& damped, double columns) {
+    const SchurPattern& pattern = system_.pattern();
+    const double blocks = static_cast<double>(pattern.num_blocks());
+    const double cameras = pattern.num_cameras();
+    const SolverContext context{layout_, native_.cameras(), native_.pool()};
+    solve_s_ = 1e30;
+    if (columns * columns * columns / 3 <= kMaxFlops) {
+      DenseCholesky dense(native_.cameras(), native_.pool());
+      factor_row("dense_factor", dense, columns * columns * 4, columns * columns * columns / 3);
+    }
+    if (has_sparse_cholesky()) {
+      const SparseOrdering order = order_cameras(pattern);
+      if (order.flops <= kMaxFlops) {
+        SupernodalCholesky sparse(native_.cameras(), pattern, order.cameras, native_.pool());
+        factor_row("sparse_factor", sparse, 8 * order.nonzeros, order.flops);
+      }
+    }
+    std::vector<double> x(system_.rhs()), y(x.size());
+    ExplicitProduct product(context, pattern);
+    product.prepare(system_, damped);
+    const double product_s = best([&] { product.multiply(x.data(), y.data()); });
+    row("product_with_S", product_s, blocks * sizeof(Block) / n_, blocks * 4 * 81 / n_);
+    MatrixFreeProduct matrix_free(context);
+    matrix_free.prepare(system_, damped);
+    const double free_s = best([&] { matrix_free.multiply(x.data(), y.data()); });
+    row("matrix_free_product", free_s, 24 + landmarks_ * (48 + 24), 300);
+    BlockJacobi jacobi(native_.cameras(), Preconditioner::SCHUR_JACOBI);
+    preconditioner_rows("schur_jacobi", jacobi, damped, cameras * 9 * 81, cameras * 2 * 81);
+    TwoLevel two_level(context, pattern);
+    const double coarse = 7.0 * two_level.num_clusters();
+    preconditioner_rows("two_level", two_level, damped,
+                        blocks * 2 * (81 + 49) * 7 + coarse * coarse * coarse / 3,
+                        cameras * 2 * (81 + 126) + 2 * coarse * coarse);
+  }
+
+  void factor_row(const char* stage, SchurFactor& factor, double bytes, double flops) {
+    std::vector<double> x(native_.cameras().num_columns(), 1.0);
+    const double seconds = best([&] {
+      factor.factor(system_);
+      factor.solve(x.data());
+    });
+    row(stage, seconds, bytes / n_, flops / n_);
+    solve_s_ = std::min(solve_s_, seconds);
+  }
+
+  void preconditioner_rows(const std::string& name,
+                           SchurPreconditioner& M,
+                           const DampedProblem& damped,
+                           double prepare_flops,
+                           double apply_flops) {
+    const double bytes = static_cast<double>(system_.rhs().size()) * 8 / n_;
+    std::vector<double> z(system_.rhs().size());
+    const double prepare_s = best([&] { M.prepare(system_, damped); });
+    row((name + "_prepare").c_str(), prepare_s, bytes, prepare_flops / n_);
+    const double apply_s = best([&] { M.apply(system_.rhs().data(), z.data()); });
+    row((name + "_apply").c_str(), apply_s, bytes, apply_flops / n_);
   }
 
   template <typename Run>
@@ -147,6 +210,7 @@ class Stages {
   double n_;
   double landmarks_;  // per observation
   double preprocess_s_ = 0.0;
+  double solve_s_ = 0.0;  // of the faster factor
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ void bind_solver_enums(py::module_& m) {
       .value("ITERATIVE_SCHUR", LinearSolverType::ITERATIVE_SCHUR)
       .finalize();
   py::native_enum<Preconditioner>(m, "Preconditioner", "enum.Enum", "Of ITERATIVE_SCHUR.")
+      .value("AUTO", Preconditioner::AUTO)
       .value("IDENTITY", Preconditioner::IDENTITY)
       .value("JACOBI", Preconditioner::JACOBI)
       .value("SCHUR_JACOBI", Preconditioner::SCHUR_JACOBI)

@@ -65,7 +65,8 @@ void check_preconditioner(const LinearSolverOptions& options) {
                        " is backend NATIVE's; backend CERES has cluster_jacobi and "
                        "cluster_tridiagonal");
   }
-  if (options.explicit_schur && kind != Preconditioner::SCHUR_JACOBI) {
+  if (options.explicit_schur && kind != Preconditioner::AUTO &&
+      kind != Preconditioner::SCHUR_JACOBI) {
     throw OptionsError(
         "LinearSolverOptions.explicit_schur with backend CERES needs preconditioner "
         "SCHUR_JACOBI, got " +

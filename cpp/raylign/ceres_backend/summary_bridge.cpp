@@ -33,6 +33,7 @@ ceres::PreconditionerType to_ceres(Preconditioner preconditioner) {
       return ceres::CLUSTER_JACOBI;
     case Preconditioner::CLUSTER_TRIDIAGONAL:
       return ceres::CLUSTER_TRIDIAGONAL;
+    case Preconditioner::AUTO:
     case Preconditioner::SCHUR_JACOBI:
     case Preconditioner::TWO_LEVEL:
     case Preconditioner::STALE_FACTOR:

@@ -16,15 +16,7 @@ void dpotrs_(const char* uplo,
 
 namespace raylign {
 
-/// Cholesky of the lower triangle of an n × n column-major matrix, in place; false when it is not
-/// positive definite.
-inline bool factor_dense(double* matrix, int n) {
-  int info = 0;
-  if (n > 0) dpotrf_("L", &n, matrix, &n, &info);
-  return info == 0;
-}
-
-/// x ← A⁻¹ x by the factor.
+/// x ← A⁻¹ x by the Cholesky factor of A (n, n) in the lower triangle, column-major.
 inline void solve_dense(const double* factor, int n, double* x) {
   const int one = 1;
   int info = 0;

@@ -121,12 +121,12 @@ class LmLoop {
     row_.cost_change = state_.cost - trial.cost;
     row_.gain_ratio = row_.cost_change / trial.model_decrease;
     row_.step_norm = trial.step_norm;
-    if (step.inexact && (step_is_small(trial) || cost_change_is_small())) {
+    if (step.inexact && (step_is_small(trial) || cost_change_is_small(trial))) {
       is_tight_ = true;  // from here on: convergence is for exact steps to find
     } else if (step_is_small(trial)) {
       finish(Termination::CONVERGENCE, "Parameter tolerance reached. ‖δ‖ / (‖x‖ + tolerance): " +
                                            format_double(trial.step_norm / trial.state_norm));
-    } else if (cost_change_is_small()) {
+    } else if (cost_change_is_small(trial)) {
       finish(Termination::CONVERGENCE, "Function tolerance reached. |cost change| / cost: " +
                                            format_double(std::abs(row_.cost_change) / state_.cost));
     }
@@ -222,8 +222,13 @@ class LmLoop {
     return had_accepted_step_ && trial.step_norm <= tolerance * (trial.state_norm + tolerance);
   }
 
-  bool cost_change_is_small() const {
-    return std::abs(row_.cost_change) <= options_.function_tolerance * state_.cost;
+  // Under FAST a step that gains nothing where the model promises something says that λ is too low;
+  // Ceres takes it for the minimum when the cost happens to be nearly the same.
+  bool cost_change_is_small(const LmTrial& trial) const {
+    const double small = options_.function_tolerance * state_.cost;
+    if (!(std::abs(row_.cost_change) <= small)) return false;
+    return lambda_rule_ != LambdaRule::FAST || trial.model_decrease <= small ||
+           row_.gain_ratio > options_.min_relative_decrease;
   }
 
   // Closes the row, asks the callback, then the limits, in Ceres' order.

@@ -40,6 +40,7 @@ enum class LinearSolverType {
 };
 
 enum class Preconditioner {
+  AUTO,  ///< TWO_LEVEL where NATIVE forms S, else SCHUR_JACOBI
   IDENTITY,
   JACOBI,               ///< block diagonal of H_pp
   SCHUR_JACOBI,         ///< block diagonal of S
@@ -52,7 +53,7 @@ enum class Preconditioner {
 /// How (H + λD) δ = −g is solved.
 struct LinearSolverOptions {
   LinearSolverType type = LinearSolverType::AUTO;
-  Preconditioner preconditioner = Preconditioner::SCHUR_JACOBI;  ///< ITERATIVE_SCHUR only.
+  Preconditioner preconditioner = Preconditioner::AUTO;  ///< ITERATIVE_SCHUR only.
   bool explicit_schur = false;   ///< ITERATIVE_SCHUR: form S instead of applying it. TWO_LEVEL and
                                  ///< STALE_FACTOR need it; with CERES only SCHUR_JACOBI has it.
   int max_num_iterations = 500;  ///< Conjugate-gradient iterations per step, >= 1.

@@ -124,6 +124,8 @@ std::string to_string(LinearSolverType type) {
 
 std::string to_string(Preconditioner preconditioner) {
   switch (preconditioner) {
+    case Preconditioner::AUTO:
+      return "auto";
     case Preconditioner::IDENTITY:
       return "identity";
     case Preconditioner::JACOBI:

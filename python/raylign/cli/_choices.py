@@ -51,6 +51,7 @@ class LinearSolver(enum.StrEnum):
 class Precondition(enum.StrEnum):
     """raylign.Preconditioner."""
 
+    AUTO = "auto"
     IDENTITY = "identity"
     JACOBI = "jacobi"
     SCHUR_JACOBI = "schur_jacobi"

@@ -77,7 +77,7 @@ def bundle(
     pose: opt.PoseOpt = choices.Pose.SE3,
     point: opt.PointOpt = choices.Point.XYZ,
     linear_solver: opt.LinearSolverOpt = choices.LinearSolver.AUTO,
-    preconditioner: opt.PreconditionerOpt = choices.Precondition.SCHUR_JACOBI,
+    preconditioner: opt.PreconditionerOpt = choices.Precondition.AUTO,
     explicit_schur: opt.ExplicitSchurOpt = False,
     max_num_linear_iterations: opt.MaxLinearOpt = _LINEAR.max_num_iterations,
     forcing_tolerance: opt.ForcingOpt = _LINEAR.forcing_tolerance,

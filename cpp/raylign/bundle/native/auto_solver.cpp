@@ -12,6 +12,8 @@ namespace {
 constexpr double kHysteresis = 1.5;
 // Past this a graph of cameras has no order that saves anything, and finding one takes long.
 constexpr double kMaxDensityToOrder = 0.5;
+// Iterations on an S that is formed cost a hundredth of forming it: a step may as well be good.
+constexpr double kForcingOfFormedS = 1e-3;
 
 }  // namespace
 
@@ -46,13 +48,16 @@ void AutoSolver::choose(SolveMethod method) {
   method_ = method;
   LinearSolverOptions options = options_;
   options.explicit_schur = method == SolveMethod::EXPLICIT_CG;
+  if (options.explicit_schur) {
+    options.forcing_tolerance = std::min(options.forcing_tolerance, kForcingOfFormedS);
+  }
   const bool iterative = options.explicit_schur || method == SolveMethod::MATRIX_FREE_CG;
   options.type = iterative                       ? LinearSolverType::ITERATIVE_SCHUR
                  : method == SolveMethod::SPARSE ? LinearSolverType::SPARSE_SCHUR
                                                  : LinearSolverType::DENSE_SCHUR;
   const bool needs_S = options.preconditioner == Preconditioner::TWO_LEVEL ||
                        options.preconditioner == Preconditioner::STALE_FACTOR;
-  if (needs_S && !options.explicit_schur) options.preconditioner = Preconditioner::SCHUR_JACOBI;
+  if (needs_S && !options.explicit_schur) options.preconditioner = Preconditioner::AUTO;
   solver_.reset();  // before the next one takes memory
   solver_ = make_requested_solver(options, context_, interrupted_, &structure_);
 }

@@ -43,7 +43,7 @@ struct Layout {
   std::vector<CameraVisit> visits;
   std::vector<std::int64_t> window_visits;  ///< (W + 1,) first visit of each window
 
-  static constexpr std::int64_t kWindow = 512;    ///< observations
+  static constexpr std::int64_t kWindow = 1024;   ///< observations
   static constexpr std::int64_t kLongTrack = 64;  ///< longer tracks are long
 
   bool is_long(std::int64_t landmark) const {

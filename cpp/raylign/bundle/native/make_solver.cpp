@@ -41,7 +41,11 @@ std::unique_ptr<LinearSolver> make_iterative(const LinearSolverOptions& options,
   } else {
     product = std::make_unique<MatrixFreeProduct>(context);
   }
-  auto preconditioner = make_preconditioner(options.preconditioner, context, pattern);
+  Preconditioner kind = options.preconditioner;
+  if (kind == Preconditioner::AUTO) {
+    kind = options.explicit_schur ? Preconditioner::TWO_LEVEL : Preconditioner::SCHUR_JACOBI;
+  }
+  auto preconditioner = make_preconditioner(kind, context, pattern);
   return std::make_unique<IterativeSolver>(context, std::move(pattern), std::move(product),
                                            std::move(preconditioner), options, interrupted);
 }

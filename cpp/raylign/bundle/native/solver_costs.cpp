@@ -11,17 +11,22 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Measured on one Zen 4 core: benchmarks/, docs/theory/native-engine.md.
-constexpr double kPair_s = 15e-9;                // Z Zᵀ into a block of S
-constexpr double kElimination_s = 15e-9;         // Z of an observation
-constexpr double kBlockProduct_s = 45e-9;        // a block of S times a vector, both halves
-constexpr double kObservationProduct_s = 25e-9;  // an observation in a matrix-free product
-constexpr double kBlockFold_s = 150e-9;  // to the user's tangent, and into a factor's matrix
-constexpr double kDenseFlops = 35e9;     // per s, one matrix
-constexpr double kSparseFlops = 12e9;    // per s, supernodes
-constexpr double kSolveBytes = 8e9;      // per s, triangular solves
-// An inexact step gains less: more steps follow.
-constexpr double kInexact = 2.2;
+// Measured on one Zen 4 core, large problems: native_stages of benchmarks/micro.
+constexpr double kRest_s = 60e-9;                // linearise, damp, try: an observation
+constexpr double kElimination_s = 20e-9;         // Z of an observation
+constexpr double kPair_s = 11e-9;                // Z Zᵀ into a block of S
+constexpr double kBlock_s = 900e-9;              // visits to a block of S, and its fold
+constexpr double kBlockProduct_s = 40e-9;        // a block of S times a vector, both halves
+constexpr double kBlockProjection_s = 150e-9;    // a block into the coarse space
+constexpr double kObservationProduct_s = 13e-9;  // an observation in a matrix-free product
+constexpr double kDenseFlops = 38e9;             // per s, one matrix
+constexpr double kSparseFlops = 28e9;            // per s, fronts
+constexpr double kSolveBytes = 8e9;              // per s, triangular solves
+constexpr double kCamerasPerCluster = 12.0;
+constexpr double kMotions = 7.0;  // columns of a cluster in the coarse system
+// An inexact step gains less: more steps follow. S that is formed is solved nearly exactly.
+constexpr double kInexact = 1.6;
+constexpr double kNearlyExact = 1.1;
 
 constexpr double kBlockBytes = 864.0;
 constexpr double kPairBytes = 6.0;
@@ -38,7 +43,8 @@ SolveCosts predict_costs(const SolveCounts& c) {
   const auto within = [&](double bytes, double seconds) {
     return S_bytes + bytes <= budget ? seconds : kInfinity;
   };
-  const double form = c.observations * kElimination_s + c.pairs * kPair_s + c.blocks * kBlockFold_s;
+  const double rest = c.observations * (kRest_s + kElimination_s);
+  const double form = rest + c.pairs * kPair_s + c.blocks * kBlock_s;
   const double n = c.columns;
   SolveCosts costs;
   costs[static_cast<int>(SolveMethod::DENSE)] =
@@ -47,14 +53,16 @@ SolveCosts predict_costs(const SolveCounts& c) {
   costs[static_cast<int>(SolveMethod::SPARSE)] =
       c.sparse_flops > 0.0 && c.sparse_nonzeros < kMaxSparseNonzeros
           ? within(8.0 * c.sparse_nonzeros + matrix_bytes,
-                   form + c.blocks * kBlockFold_s + c.sparse_flops / kSparseFlops +
-                       16.0 * c.sparse_nonzeros / kSolveBytes)
+                   form + c.sparse_flops / kSparseFlops + 16.0 * c.sparse_nonzeros / kSolveBytes)
           : kInfinity;
-  costs[static_cast<int>(SolveMethod::EXPLICIT_CG)] =
-      within(0.0, kInexact * (form + c.cg_iterations * c.blocks * kBlockProduct_s));
+  const double coarse = kMotions * n / 9.0 / kCamerasPerCluster;
+  const double precondition =
+      c.blocks * kBlockProjection_s + coarse * coarse * coarse / 3.0 / kDenseFlops;
+  const double iterate = c.blocks * kBlockProduct_s + 16.0 * coarse * coarse / kSolveBytes;
+  costs[static_cast<int>(SolveMethod::EXPLICIT_CG)] = within(
+      8.0 * coarse * coarse, kNearlyExact * (form + precondition + c.cg_iterations * iterate));
   costs[static_cast<int>(SolveMethod::MATRIX_FREE_CG)] =
-      kInexact * c.observations *
-      (kElimination_s + kPair_s + c.cg_iterations * kObservationProduct_s);
+      kInexact * (rest + c.observations * (kPair_s + c.cg_iterations * kObservationProduct_s));
   return costs;
 }
 

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "raylign/base/table_memory.h"
+
 namespace raylign::native {
 
 /// Memory for tables that a pass fills before anybody reads them: left as it comes instead of
@@ -20,8 +22,11 @@ struct TableAllocator {
   template <typename U>
   TableAllocator(const TableAllocator<U>& /*other*/) {}  // NOLINT: allocators convert
 
-  T* allocate(std::size_t count) { return std::allocator<T>().allocate(count); }
-  void deallocate(T* memory, std::size_t count) { std::allocator<T>().deallocate(memory, count); }
+  T* allocate(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_alloc();
+    return static_cast<T*>(allocate_table(count * sizeof(T)));
+  }
+  void deallocate(T* memory, std::size_t count) { free_table(memory, count * sizeof(T)); }
 
   template <typename U>
   void construct(U* place) {

@@ -4,23 +4,25 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "raylign/base/eigen.h"
-#include "raylign/solver/lapack.h"
+#include "raylign/solver/blocked_cholesky.h"
+#include "raylign/solver/cholesky_kernels.h"
 
 namespace raylign::native {
 namespace {
 
 constexpr int kMinClusterSize = 12;
-// The coarse system stays small: a dense factor of 7 · 200 columns takes 0.03 s.
+// The coarse system stays small: a dense factor of 7 · 200 columns takes 0.02 s.
 constexpr int kMaxClusters = 200;
 // Relative to the diagonal: the gauge makes the coarse system as singular as the whole one.
 constexpr double kRegularization = 1e-12;
 
 using Rows = Eigen::Map<const Eigen::Matrix<double, 9, kRow, Eigen::RowMajor>>;
-using Modes = Eigen::Map<Eigen::Matrix<double, 9, 7, Eigen::RowMajor>>;
-using ConstModes = Eigen::Map<const Eigen::Matrix<double, 9, 7, Eigen::RowMajor>>;
+using Modes = Eigen::Map<Eigen::Matrix<double, 9, kModeRow, Eigen::RowMajor>>;
+using ConstModes = Eigen::Map<const Eigen::Matrix<double, 9, kModeRow, Eigen::RowMajor>>;
 using CanonicalModes = Eigen::Matrix<double, 9, 7>;
 
 // [ω; δc; 0] when the world around the camera turns by θ, moves by t and grows by s about the
@@ -89,70 +91,80 @@ std::vector<std::int32_t> cluster_cameras(const SchurPattern& pattern, int max_s
 }
 
 TwoLevel::TwoLevel(const SolverContext& context, const SchurPattern& pattern)
-    : cameras_(context.cameras), fine_(context.cameras, Preconditioner::SCHUR_JACOBI) {
-  const int count = pattern.num_cameras();
+    : cameras_(context.cameras),
+      pool_(context.pool),
+      fine_(context.cameras, Preconditioner::SCHUR_JACOBI) {
+  const std::int32_t count = pattern.num_cameras();
   cluster_ = cluster_cameras(pattern, std::max(kMinClusterSize, count / kMaxClusters + 1));
   for (const std::int32_t k : cluster_) num_clusters_ = std::max(num_clusters_, k + 1);
-  centroids_.resize(3 * num_clusters_);
-  counts_.resize(num_clusters_);
-  modes_.resize(std::size_t{9 * kModes} * count);
+  members_.resize(num_clusters_);
+  for (std::int32_t i = 0; i < count; ++i) {
+    if (cluster_[i] >= 0) members_[cluster_[i]].push_back(i);
+  }
+  modes_.assign(static_cast<std::size_t>(count) * kModeSize, 0.0);
   const auto n = static_cast<std::size_t>(kModes * num_clusters_);
+  panels_.assign(pool_.num_threads(), Table<double>(n * kModeRow));
   coarse_.resize(n * n);
   scales_.resize(n);
   restricted_.resize(n);
 }
 
-void TwoLevel::set_modes(const DampedProblem& problem) {
-  std::fill(centroids_.begin(), centroids_.end(), 0.0);
-  std::fill(counts_.begin(), counts_.end(), 0);
-  for (std::size_t i = 0; i < cluster_.size(); ++i) {
-    if (cluster_[i] < 0) continue;
-    ++counts_[cluster_[i]];
-    for (int k = 0; k < 3; ++k) centroids_[3 * cluster_[i] + k] += problem.packets[i].c[k];
+void TwoLevel::set_modes(int cluster, const DampedProblem& problem) {
+  Vector3 centroid = Vector3::Zero();
+  for (const std::int32_t i : members_[cluster]) {
+    centroid += Eigen::Map<const Vector3>(problem.packets[i].c);
   }
-  for (std::size_t i = 0; i < cluster_.size(); ++i) {
-    if (cluster_[i] < 0) continue;
-    const Eigen::Map<const Vector3> sum(centroids_.data() + 3 * cluster_[i]);
+  centroid /= static_cast<double>(members_[cluster].size());
+  for (const std::int32_t i : members_[cluster]) {
     const Eigen::Map<const Vector3> center(problem.packets[i].c);
-    const CanonicalModes canonical = canonical_modes(center - sum / counts_[cluster_[i]]);
-    Modes modes(modes_.data() + i * 9 * kModes);
-    modes.setZero();
-    const int size = cameras_.size(static_cast<int>(i));
-    const Rows B(cameras_.map(static_cast<int>(i)).values);
+    const CanonicalModes canonical = canonical_modes(center - centroid);
+    Modes modes(modes_.data() + std::int64_t{i} * kModeSize);
+    const int size = cameras_.size(i);
+    const Rows B(cameras_.map(i).values);
     if (size == 9) {
-      modes = B.leftCols<9>().partialPivLu().solve(canonical);
-    } else {  // the nearest motion that the free columns allow
-      modes.topRows(size) = B.leftCols(size).householderQr().solve(canonical);
+      modes.leftCols<kModes>() = B.leftCols<9>().partialPivLu().solve(canonical);
+    } else {  // the nearest motion that the free columns allow; the other rows stay zero
+      modes.topRows(size).leftCols<kModes>() = B.leftCols(size).householderQr().solve(canonical);
     }
   }
 }
 
-// ZᵀSZ, block row by block row.
+// The lower triangle of ZᵀSZ: each cluster has its columns to itself.
 void TwoLevel::form_coarse(const SchurSystem& system) {
   const SchurPattern& pattern = system.pattern();
-  const Eigen::Index n = kModes * num_clusters_;
-  Eigen::Map<Eigen::MatrixXd> coarse(coarse_.data(), n, n);
-  coarse.setZero();
-  for (std::int32_t i = 0; i < pattern.num_cameras(); ++i) {
-    const ConstModes Z_i(modes_.data() + std::size_t{9 * kModes} * i);
-    for (auto b = pattern.starts[i]; b < pattern.starts[i + 1]; ++b) {
-      const std::int32_t k = pattern.columns[b];
-      const ConstModes Z_k(modes_.data() + std::size_t{9 * kModes} * k);
-      const Rows S_ik(system.blocks()[b].values);
-      const Eigen::Matrix<double, 9, 7> S_Z = S_ik.leftCols<9>() * Z_k;
-      const Eigen::Matrix<double, 7, 7> block = Z_i.transpose() * S_Z;
-      const Eigen::Index row = kModes * cluster_[i];
-      const Eigen::Index column = kModes * cluster_[k];
-      coarse.block<7, 7>(row, column) += block;
-      if (k != i) coarse.block<7, 7>(column, row) += block.transpose();
+  const CoarseProjection projection{pattern.starts.data(), pattern.columns.data(),
+                                    system.blocks().data(), modes_.data(), cluster_.data()};
+  const std::int64_t n = kModes * std::int64_t{num_clusters_};
+  std::atomic<int> next{0};
+  pool_.run(pool_.num_threads(), [&](int worker) {
+    Table<double>& panel = panels_[worker];
+    for (int a = next++; a < num_clusters_; a = next++) {
+      std::fill(panel.begin(), panel.end(), 0.0);
+      for (const std::int32_t i : members_[a]) project_row(projection, i, panel.data());
+      for (int m = 0; m < kModes; ++m) {
+        double* column = coarse_.data() + (kModes * std::int64_t{a} + m) * n;
+        for (std::int64_t row = 0; row < n; ++row) column[row] = panel[row * kModeRow + m];
+      }
     }
-  }
+  });
+  pool_.run(num_clusters_, [&](int a) { add_mirror_images(a); });
 }
 
-void TwoLevel::prepare(const SchurSystem& system, const DampedProblem& problem) {
-  fine_.prepare(system, problem);
-  set_modes(problem);
-  form_coarse(system);
+// S has the blocks of its upper triangle only: what is below comes from the columns of the others,
+// above the diagonal, where nobody writes by now.
+void TwoLevel::add_mirror_images(int a) {
+  const Eigen::Index n = kModes * num_clusters_;
+  Eigen::Map<Eigen::MatrixXd> coarse(coarse_.data(), n, n);
+  const Eigen::Index first = kModes * a;
+  const Eigen::Index below = first + kModes;
+  coarse.block<kModes, kModes>(first, first) +=
+      coarse.block<kModes, kModes>(first, first).transpose().eval();
+  coarse.block(below, first, n - below, kModes) +=
+      coarse.block(first, below, kModes, n - below).transpose();
+}
+
+// To a unit diagonal, a little more than that.
+void TwoLevel::scale_coarse() {
   const int n = kModes * num_clusters_;
   Eigen::Map<Eigen::MatrixXd> coarse(coarse_.data(), n, n);
   for (int k = 0; k < n; ++k) {
@@ -160,9 +172,18 @@ void TwoLevel::prepare(const SchurSystem& system, const DampedProblem& problem) 
     scales_[k] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 0.0;
   }
   const Eigen::Map<const Eigen::VectorXd> scales(scales_.data(), n);
-  for (int k = 0; k < n; ++k) coarse.col(k).array() *= scales.array() * scales[k];
-  for (int k = 0; k < n; ++k) coarse(k, k) = 1.0 + kRegularization;
-  has_coarse_ = factor_dense(coarse_.data(), n);
+  for (int k = 0; k < n; ++k) {
+    coarse.col(k).tail(n - k).array() *= scales.tail(n - k).array() * scales[k];
+    coarse(k, k) = 1.0 + kRegularization;
+  }
+}
+
+void TwoLevel::prepare(const SchurSystem& system, const DampedProblem& problem) {
+  fine_.prepare(system, problem);
+  pool_.run(num_clusters_, [&](int cluster) { set_modes(cluster, problem); });
+  form_coarse(system);
+  scale_coarse();
+  has_coarse_ = factor_cholesky(coarse_.data(), kModes * num_clusters_, pool_);
 }
 
 void TwoLevel::apply(const double* r, double* z) {
@@ -178,13 +199,15 @@ void TwoLevel::apply(const double* r, double* z) {
   const auto coarse = [&](std::size_t i) {
     return Eigen::Map<Eigen::Matrix<double, 7, 1>>(restricted_.data() + kModes * cluster_[i]);
   };
-  const auto modes = [&](std::size_t i) { return ConstModes(modes_.data() + i * 9 * kModes); };
+  const auto modes = [&](std::size_t i) {
+    return ConstModes(modes_.data() + i * kModeSize).leftCols<kModes>();
+  };
   for (std::size_t i = 0; i < cluster_.size(); ++i) {
     if (cluster_[i] >= 0) coarse(i) += modes(i).transpose() * rows(r, i);
   }
   const auto n = static_cast<int>(restricted_.size());
   for (int k = 0; k < n; ++k) restricted_[k] *= scales_[k];
-  solve_dense(coarse_.data(), n, restricted_.data());
+  solve_in_registers(coarse_.data(), n, restricted_.data());
   for (int k = 0; k < n; ++k) restricted_[k] *= scales_[k];
   for (std::size_t i = 0; i < cluster_.size(); ++i) {
     if (cluster_[i] >= 0) rows(z, i) += modes(i) * coarse(i);

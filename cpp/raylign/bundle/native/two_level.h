@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "raylign/bundle/native/coarse_kernels.h"
 #include "raylign/bundle/native/preconditioner.h"
 
 namespace raylign::native {
@@ -20,19 +21,20 @@ class TwoLevel : public SchurPreconditioner {
   int num_clusters() const { return num_clusters_; }
 
  private:
-  static constexpr int kModes = 7;
-
-  void set_modes(const DampedProblem& problem);
+  void set_modes(int cluster, const DampedProblem& problem);
   void form_coarse(const SchurSystem& system);
+  void add_mirror_images(int cluster);
+  void scale_coarse();
 
   const CameraBlocks& cameras_;
+  ThreadPool& pool_;
   BlockJacobi fine_;
   std::vector<std::int32_t> cluster_;  // (C,) −1: the camera does not move
   int num_clusters_ = 0;
-  std::vector<double> centroids_;            // (clusters, 3)
-  std::vector<int> counts_;                  // (clusters,)
-  std::vector<double> modes_;                // (C, 9, 7) by rows, the user's tangent
-  std::vector<double> coarse_;               // (7 clusters)², lower triangle, column-major
+  std::vector<std::vector<std::int32_t>> members_;  // (clusters,) their cameras, ascending
+  Table<double> modes_;                             // (C, 9, kModeRow), the user's tangent
+  std::vector<Table<double>> panels_;               // one per thread, (7 clusters, kModeRow)
+  std::vector<double> coarse_;  // (7 clusters)², column-major, in the end lower triangle
   std::vector<double> scales_, restricted_;  // (7 clusters,)
   bool has_coarse_ = false;
 };
