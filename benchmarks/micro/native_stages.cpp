@@ -139,12 +139,10 @@ class Stages {
       DenseCholesky dense(native_.cameras(), native_.pool());
       factor_row("dense_factor", dense, columns * columns * 4, columns * columns * columns / 3);
     }
-    if (has_sparse_cholesky()) {
-      const SparseOrdering order = order_cameras(pattern);
-      if (order.flops <= kMaxFlops) {
-        SupernodalCholesky sparse(native_.cameras(), pattern, order.cameras, native_.pool());
-        factor_row("sparse_factor", sparse, 8 * order.nonzeros, order.flops);
-      }
+    const SparseOrdering order = order_cameras(pattern);
+    if (order.flops <= kMaxFlops) {
+      SupernodalCholesky sparse(native_.cameras(), pattern, order.cameras, native_.pool());
+      factor_row("sparse_factor", sparse, 8 * order.nonzeros, order.flops);
     }
     std::vector<double> x(system_.rhs()), y(x.size());
     ExplicitProduct product(context, pattern);

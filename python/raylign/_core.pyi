@@ -341,13 +341,14 @@ class LinearSolverType(enum.Enum):
     ITERATIVE_SCHUR = 4
 
 class Preconditioner(enum.Enum):
-    IDENTITY = 0
-    JACOBI = 1
-    SCHUR_JACOBI = 2
-    CLUSTER_JACOBI = 3
-    CLUSTER_TRIDIAGONAL = 4
-    TWO_LEVEL = 5
-    STALE_FACTOR = 6
+    AUTO = 0
+    IDENTITY = 1
+    JACOBI = 2
+    SCHUR_JACOBI = 3
+    CLUSTER_JACOBI = 4
+    CLUSTER_TRIDIAGONAL = 5
+    TWO_LEVEL = 6
+    STALE_FACTOR = 7
 
 class Termination(enum.Enum):
     NOT_RUN = 0

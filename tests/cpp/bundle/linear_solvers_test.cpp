@@ -246,6 +246,42 @@ TEST(TwoLevel, ClustersAreConnectedAndCoverTheMovingCameras) {
   EXPECT_LE(sizes.size(), 30u);
 }
 
+// What project_row adds up over the rows of a cluster, against Zᵀ S Z with dense matrices.
+TEST(TwoLevel, ProjectsTheBlocksOfS) {
+  Damped problem(street(30), {}, 1e-4);
+  const SchurPattern& pattern = problem.system.pattern();
+  const int num_clusters = 3;
+  std::vector<std::int32_t> cluster;
+  for (int i = 0; i < 30; ++i) cluster.push_back((7 * i) % num_clusters);  // not in order
+  auto rng = test::make_rng("modes");
+  Table<double> modes(30 * kModeSize, 0.0);
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(9 * 30, kModes * num_clusters);
+  for (int i = 0; i < 30; ++i) {
+    for (int row = 0; row < 9; ++row) {
+      for (int m = 0; m < kModes; ++m) {
+        modes[i * kModeSize + row * kModeRow + m] = Z(9 * i + row, kModes * cluster[i] + m) =
+            rng.normal();
+      }
+    }
+  }
+  const CoarseProjection projection{pattern.starts.data(), pattern.columns.data(),
+                                    problem.system.blocks().data(), modes.data(), cluster.data()};
+  Eigen::MatrixXd half = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
+  Table<double> panel(Z.cols() * kModeRow);
+  for (int a = 0; a < num_clusters; ++a) {
+    std::fill(panel.begin(), panel.end(), 0.0);
+    for (int i = 0; i < 30; ++i) {
+      if (cluster[i] == a) project_row(projection, i, panel.data());
+    }
+    for (Eigen::Index row = 0; row < Z.cols(); ++row) {
+      for (int m = 0; m < kModes; ++m) half(row, kModes * a + m) = panel[row * kModeRow + m];
+    }
+  }
+  const Eigen::MatrixXd coarse = half + half.transpose();
+  const Eigen::MatrixXd expected = Z.transpose() * problem.S * Z;
+  EXPECT_LT((coarse - expected).norm(), 1e-13 * expected.norm());
+}
+
 // A street is a chain: one-level iterations grow with its length, two-level ones must not.
 TEST(TwoLevel, TakesFewerIterationsThanSchurJacobiOnAStreet) {
   Damped problem(street(250), {}, 1e-6);

@@ -15,6 +15,11 @@ TEST(SolverCosts, FactorASmallSDensely) {
   EXPECT_EQ(choose({32e3, 441.0, 160e3, 1225.0, 0.0, 0.0}), SolveMethod::DENSE);
 }
 
+// 1778 cameras, two laps: a factor would take longer than all the rest.
+TEST(SolverCosts, IterateOnTheSOfALongStreet) {
+  EXPECT_EQ(choose({5e6, 16002.0, 23.2e6, 123e3, 37e9, 34e6}), SolveMethod::EXPLICIT_CG);
+}
+
 TEST(SolverCosts, FactorAStreetSparsely) {  // 1000 cameras, one lap: 1 GF against 243
   EXPECT_EQ(choose({1.68e6, 9000.0, 8.75e6, 64e3, 1e9, 3e6}), SolveMethod::SPARSE);
 }

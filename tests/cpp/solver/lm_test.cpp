@@ -205,6 +205,24 @@ TEST(Lm, TheFastRuleTrustsAModelThatKeptItsPromise) {
   EXPECT_GT(fair, 0);  // and Nielsen's rule where it did not
 }
 
+// The first step lands at the same cost on the other side of a valley: Ceres' rule calls that
+// converged, though the model had promised a lot.
+TEST(Lm, TheFastRuleTakesNoRejectedStepForConvergence) {
+  DenseProblem problem;  // r = x² − 1 from where Newton's step ends at −r: 5 x⁴ − 6 x² + 1 = 0
+  problem.residual = [](const VectorXd& x) { return VectorXd(x.array().square() - 1.0); };
+  problem.jacobian = [](const VectorXd& x) { return MatrixXd((2.0 * x).asDiagonal()); };
+  problem.x = VectorXd::Constant(1, std::sqrt(0.2));
+  problem.options.initial_lambda = 1e-12;
+  problem.options.function_tolerance = 1e-6;
+  DenseProblem other = problem;
+  const Summary ceres = run(problem, nullptr, LambdaRule::CERES);
+  EXPECT_EQ(ceres.iterations.size(), 2u);
+  EXPECT_GT(ceres.final_cost, 0.1);
+  const Summary fast = run(other, nullptr, LambdaRule::FAST);
+  EXPECT_FALSE(fast.iterations[1].step_is_accepted);
+  EXPECT_LT(fast.final_cost, 1e-9);
+}
+
 TEST(Lm, TheG2oRuleLowersLambdaAfterEveryAcceptedStep) {
   DenseProblem problem = rosenbrock();
   const Summary summary = run(problem, nullptr, LambdaRule::G2O);
