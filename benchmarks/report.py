@@ -14,6 +14,7 @@ import statistics
 from collections.abc import Callable
 from pathlib import Path
 
+from harness import contest as contests
 from harness import micro, plots, series, tables
 from harness.problems import ROOT
 
@@ -27,22 +28,50 @@ def markdown(header: list[str], rows: list[list[str]]) -> str:
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])
 
 
+def has_peers(contest: dict, threads: int) -> bool:
+    return any(series.rows_of(contest, family, threads) for family in series.PEERS)
+
+
 def headline_table(held: list[dict], threads: int) -> str:
     """Time to 0.1 % above the best cost, and ratios of each peer's best variant to ours."""
-    header = ["problem", "raylign native, s"]
-    header += [f"{series.LABELS[family]}: time, iteration, memory" for family in series.PEERS]
-    rows = []
-    for contest in held:
-        ours = series.native(contest, threads)
-        if ours is None:
-            continue
-        row = [contest["problem"], tables.seconds(ours["times_to"][-1])]
-        for family in series.PEERS:
-            found = series.compare(contest, family, threads)
-            ratios = (found.time, found.iteration, found.memory) if found else ()
-            row.append(" / ".join(tables.times(value) for value in ratios) or "–")
-        rows.append(row)
-    return markdown(header, rows)
+    held = [c for c in held if has_peers(c, threads) and series.native(c, threads) is not None]
+    families = [f for f in series.PEERS if any(series.rows_of(c, f, threads) for c in held)]
+    if not held:
+        return "No peer was run on so many threads."
+    header = ["problem", "raylign native, s", *(series.label(held, f) for f in families)]
+    rows = [
+        [
+            contest["problem"],
+            tables.seconds(series.native(contest, threads)["times_to"][-1]),
+            *(headline_cell(contest, family, threads) for family in families),
+        ]
+        for contest in held
+    ]
+    table = markdown(header, rows)
+    starred = any("\\*" in cell for row in rows for cell in row)
+    return table + (STAR if starred else "")
+
+
+STAR = "\n\n\\* by its own cost, without what lies behind a camera; never by the judge's."
+
+
+def headline_cell(contest: dict, family: str, threads: int) -> str:
+    """`time / iteration / memory` of the best variant, or why there is none."""
+    found = series.compare(contest, family, threads)
+    if found is None:
+        return series.why_never(contest, family, threads)
+    ratios = (found.time, found.iteration, found.memory)
+    star = "\\*" if found.counts_otherwise else ""
+    return " / ".join(tables.times(value) or "–" for value in ratios) + star
+
+
+def contest_sections(held: list[dict]) -> str:
+    """Every contest with a peer: a heading, what the problem is, all systems."""
+    return "\n\n".join(
+        f"### {contest['problem']}\n\n{tables.facts(contest)}\n\n{tables.markdown_table(contest)}"
+        for contest in held
+        if len({series.family_of(row) for row in contest["rows"]}) > 1
+    )
 
 
 def native_table(held: list[dict]) -> str:
@@ -157,6 +186,26 @@ def roofline_table(runs: list[dict], loops: dict) -> str:
     return markdown(header, rows)
 
 
+def rendering_table(measured: dict[str, dict[str, float]]) -> str:
+    """ms per frame by scene and mode; what noise and depth camera add."""
+    scenes = {name: row for name, row in measured.items() if name != "sensor"}
+    modes = list(next(iter(scenes.values())))
+    rows = [
+        [name.replace("_", " "), *(f"{row[mode]:.0f}" for mode in modes)]
+        for name, row in scenes.items()
+    ]
+    sensor = measured["sensor"]
+    return markdown(["scene", *modes], rows) + (
+        f"\n\nSensor noise adds {sensor['noise']:.1f} ms, the depth camera "
+        f"{sensor['depth camera']:.0f} ms."
+    )
+
+
+def guard_line(ratios: dict[str, float]) -> str:
+    parts = ", ".join(f"{ratio:.1f} times in {name}" for name, ratio in ratios.items())
+    return f"When this page was written the native engines were faster {parts}."
+
+
 def import_line(seconds: dict) -> str:
     return (
         f"`import raylign`: {seconds['raylign']:.2f} s in a fresh interpreter (median of 5, warm), "
@@ -164,30 +213,41 @@ def import_line(seconds: dict) -> str:
     )
 
 
-def machine_line(machine: dict) -> str:
-    return (
+def machine_line(machine: dict, held: list[dict]) -> str:
+    """The machine; the commits of the contests where they are not all of one."""
+    by_commit: dict[str, list[str]] = {}
+    for contest in held:
+        for entry in contest.get("measured", []):
+            by_commit.setdefault(entry["commit"], []).append(contest["problem"])
+    line = (
         f"{machine['cpu']}, {machine['num_cpus']} CPUs, {machine['memory_gib']} GiB, "
         f"{machine['system']}, Python {machine['python']}, raylign {machine['raylign']} at commit "
         f"{machine['commit']}, {machine['date'][:10]}."
     )
+    if set(by_commit) - {machine["commit"]}:
+        line += " The tables of the contests name theirs."
+    return line
 
 
 def blocks(data: dict) -> dict[str, Callable[[], str]]:
     """Name of a block to what makes its text."""
     results = data["results"]
-    held = results.get("contests", [])
+    held = [contests.summarize(contest) for contest in results.get("contests", [])]
     made: dict[str, Callable[[], str]] = {
-        "machine": lambda: machine_line(data["machine"]),
+        "machine": lambda: machine_line(data["machine"], held),
         "headline-1": lambda: headline_table(held, 1),
         "headline-2": lambda: headline_table(held, 2),
         "native": lambda: native_table(held),
         "growth": lambda: growth_table(held),
+        "contests": lambda: contest_sections(held),
     }
     for name, writer in {
         "jacobians": jacobians_table,
         "reading": reading_table,
         "reference_loops": reference_table,
         "import": import_line,
+        "rendering": rendering_table,
+        "guard": guard_line,
     }.items():
         if name in results:
             made[name] = functools.partial(writer, results[name])
@@ -195,8 +255,6 @@ def blocks(data: dict) -> dict[str, Callable[[], str]]:
         made["roofline"] = functools.partial(
             roofline_table, results["stages"], results["reference_loops"]
         )
-    for contest in held:
-        made[f"contest:{contest['problem']}"] = functools.partial(tables.markdown_table, contest)
     return made
 
 
@@ -217,7 +275,8 @@ def main() -> None:
     made = blocks(data)
     for document in DOCUMENTS:
         document.write_text(rewrite(document.read_text(), made))
-    for path in plots.save_all(data["results"].get("contests", []), IMAGES):
+    held = [contests.summarize(contest) for contest in data["results"].get("contests", [])]
+    for path in plots.save_all(held, IMAGES):
         print(path.relative_to(ROOT))
 
 

@@ -10,29 +10,49 @@ A contest is a problem that all systems solve in turns, each in a process of its
 costs are computed by one judge (harness/judge.py). Ratios are taken within a round, because a
 shared machine drifts. --append adds the rounds to a results file: long series can be
 measured in pieces. Made problems are kept in benchmarks/.cache ($RAYLIGN_BENCH_CACHE).
+
+The file is written after every contest and every other part; Ctrl-C keeps what was measured. What
+fails is reported and left out, the rest goes on, and the exit status is 1 at the end.
 """
 
 import argparse
-import json
+import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
+import guard
+import import_time
+import raylign
+import render
 from harness import contest as contests
 from harness import machine, micro, problems, systems, tables
-from import_time import measure as measure_import
+from harness.session import Session, fresh_target
+from harness.ticker import Ticker
 
 RESULTS = problems.ROOT / "benchmarks" / "results"
-PARTS = ("contests", "jacobians", "reading", "reference_loops", "stages", "import")
+PARTS = (
+    "contests",
+    "jacobians",
+    "reading",
+    "reference_loops",
+    "stages",
+    "import",
+    "rendering",
+    "guard",
+)
+FAILURES = (subprocess.CalledProcessError, OSError, ValueError, LookupError, raylign.Error)
+STOPPED = 130  # exit status after Ctrl-C
 
 
 def parse_arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--only", choices=PARTS)
+    parser.add_argument("--only", nargs="+", choices=PARTS)
     parser.add_argument("--problems", nargs="+", choices=problems.names(), metavar="NAME")
     parser.add_argument("--large", action="store_true", help="every problem: hours")
     parser.add_argument("--systems", nargs="+", help="only those whose key contains one of these")
@@ -48,59 +68,71 @@ def parse_arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def chosen_systems(arguments: argparse.Namespace, tools: systems.Tools) -> list[systems.System]:
-    found = systems.all_systems(tools)
+def chosen_systems(
+    arguments: argparse.Namespace, tools: systems.Tools, spec: problems.Spec
+) -> list[systems.System]:
+    found = [system for system in systems.all_systems(tools) if system.suits(spec)]
     if arguments.systems:
         return [s for s in found if any(pattern in s.key for pattern in arguments.systems)]
     return found if arguments.all_systems else [s for s in found if s.is_default()]
 
 
-def hold_contests(
-    arguments: argparse.Namespace, tools: systems.Tools, console: Console
-) -> list[dict]:
+def chosen_problems(arguments: argparse.Namespace) -> list[tuple[problems.Spec, int]]:
+    """Problems and the rounds on each."""
     names = arguments.problems or (problems.names() if arguments.large else problems.DEFAULT)
-    held = []
+    chosen = []
     for name in names:
         spec = problems.find_spec(name)
         if arguments.time_limit:
             spec = replace(spec, time_limit_s=arguments.time_limit)
-        rounds = arguments.rounds or (3 if spec.num_observations <= problems.SMALL else 1)
-        with console.status(name) as status:
-            result = contests.hold(
-                spec, chosen_systems(arguments, tools), tools, rounds, status.update
-            )
-        if result is None:
-            console.print(f"{name}: its file is not at hand (set RAYLIGN_DATA)")
-            continue
-        result = contests.summarize(result)
-        console.print(tables.terminal_table(result))
-        for row in result["rows"]:
-            if "error" in row:
-                console.print(f"{row['system']}: {row['error']}", markup=False)
-        held.append(result)
-    return held
+        default = 3 if spec.num_observations <= problems.SMALL else 1
+        chosen.append((spec, arguments.rounds or default))
+    return chosen
 
 
-def append_contests(old: list[dict], new: list[dict]) -> list[dict]:
-    """The contests of a results file with later ones: rounds of the same problem are joined."""
-    merged = {contest["problem"]: contest for contest in old}
-    for contest in new:
-        earlier = merged.get(contest["problem"])
-        joined = contest if earlier is None else contests.merge(earlier, contest)
-        merged[contest["problem"]] = contests.summarize(joined)
-    return list(merged.values())
+def hold_contests(
+    arguments: argparse.Namespace, tools: systems.Tools, session: Session, console: Console
+) -> None:
+    chosen = [
+        (spec, rounds, chosen_systems(arguments, tools, spec))
+        for spec, rounds in chosen_problems(arguments)
+    ]
+    total = sum(rounds * len(turn) for _, rounds, turn in chosen)
+    with Ticker(console, total) as ticker:
+        for spec, rounds, turn in chosen:
+            prepared = contests.prepare(spec, session.facts, rounds)
+            if prepared is None:
+                console.print(f"{spec.name}: its file is not at hand (set RAYLIGN_DATA)")
+                ticker.skip(rounds * len(turn))
+                continue
+            contest, problem = prepared
+            session.contests.append(contest)
+            contests.hold(contest, problem, spec, turn, tools, ticker.tell)
+            session.save()
+            print_contest(contest, console)
 
 
-def write_results(arguments: argparse.Namespace, facts: dict, results: dict) -> Path:
-    target = arguments.output or RESULTS / f"{facts['date'][:10]}.json"
-    if arguments.append and target.exists():
-        earlier = json.loads(target.read_text())["results"]
-        if "contests" in results:
-            results["contests"] = append_contests(earlier.get("contests", []), results["contests"])
-        results = {**earlier, **results}
-    target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(json.dumps({"machine": facts, "results": results}, indent=1) + "\n")
-    return target
+def print_contest(contest: dict, console: Console) -> None:
+    shown = contests.summarize(contest)
+    console.print(tables.terminal_table(shown))
+    for note in tables.notes(shown):
+        console.print(note, markup=False)
+
+
+def measure_part(
+    name: str, measure: Callable[[], object], session: Session, console: Console
+) -> None:
+    """One part into the session; what it raises becomes a message."""
+    try:
+        result = measure()
+    except FAILURES as error:
+        stderr = getattr(error, "stderr", None) or ""
+        session.errors[name] = "\n".join([f"{type(error).__name__}: {error}", stderr]).strip()
+        console.print(f"{name} failed: {session.errors[name]}", markup=False)
+        return
+    if result is not None:
+        session.parts[name] = result
+    session.save()
 
 
 def main() -> int:
@@ -112,20 +144,32 @@ def main() -> int:
     console.print(
         f"{facts['cpu']}, {facts['num_cpus']} CPUs, raylign {facts['raylign']} at {facts['commit']}"
     )
-    folder = arguments.programs or machine.build_programs()
-    tools = systems.Tools(folder, arguments.peers)
-    parts = {
-        "contests": lambda: hold_contests(arguments, tools, console),
-        "jacobians": lambda: micro.bench_jacobians(folder, arguments.rounds or 5, console),
-        "reading": lambda: micro.bench_reading(arguments.rounds or 5, console),
-        "reference_loops": lambda: micro.bench_reference_loops(folder, console),
-        "stages": lambda: micro.bench_stages(folder, console),
-        "import": measure_import,
-    }
-    chosen = [arguments.only] if arguments.only else list(parts)
-    target = write_results(arguments, facts, {name: parts[name]() for name in chosen})
-    console.print(f"written: {target}")
-    return 0
+    target = arguments.output or fresh_target(RESULTS, facts["date"][:10])
+    session = Session(target, facts, arguments.append)
+    try:
+        if arguments.programs is None:
+            console.print(f"building the C++ programs in {machine.BUILD}")
+        folder = arguments.programs or machine.build_programs()
+        tools = systems.Tools(folder, arguments.peers)
+        repeats = arguments.rounds or 5
+        parts: dict[str, Callable[[], object]] = {
+            "contests": lambda: hold_contests(arguments, tools, session, console),
+            "jacobians": lambda: micro.bench_jacobians(folder, repeats, console),
+            "reading": lambda: micro.bench_reading(repeats, console),
+            "reference_loops": lambda: micro.bench_reference_loops(folder, console),
+            "stages": lambda: micro.bench_stages(folder, console),
+            "import": import_time.measure,
+            "rendering": lambda: render.measure(repeats),
+            "guard": lambda: guard.measure(repeats, folder),
+        }
+        for name in arguments.only or PARTS:
+            measure_part(name, parts[name], session, console)
+    except KeyboardInterrupt:
+        kept = session.target if session.save() else "nothing"
+        console.print(f"interrupted; kept: {kept}")
+        return STOPPED
+    console.print(f"written: {session.target}")
+    return 1 if session.errors else 0
 
 
 if __name__ == "__main__":

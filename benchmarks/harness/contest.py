@@ -8,36 +8,72 @@ from harness import judge, systems
 from harness.problems import Spec, find_file
 from harness.systems import System, Tools
 
+ENDS = {"tolerance": "tolerance", "time": "time limit", "max": "limit of iterations"}
 
-def hold(
-    spec: Spec, chosen: list[System], tools: Tools, rounds: int, tell: Callable[[str], None]
-) -> dict | None:
-    """Run every system once per round; None where the problem's file is not at hand."""
+
+def prepare(spec: Spec, facts: dict, rounds: int) -> tuple[dict, judge.Problem] | None:
+    """A contest without runs, and its problem; None where the problem's file is not at hand."""
     path = find_file(spec.name)
     if path is None:
         return None
     problem = judge.read_problem(path)
-    runs = []
-    for round_number in range(rounds):
-        for system in chosen:
-            if system.suits(len(problem.cameras)):
-                tell(f"{spec.name}: {system.key}, round {round_number + 1}/{rounds}")
-                runs.append({"round": round_number, **systems.run(system, tools, spec, problem)})
-    return {
+    contest = {
         "problem": spec.name,
         "num_cameras": len(problem.cameras),
         "num_points": len(problem.points),
         "num_observations": len(problem.pixels),
         "initial_cost": judge.cost(problem, problem.cameras, problem.points),
-        "runs": runs,
+        "measured": [
+            {
+                "commit": facts["commit"],
+                "date": facts["date"],
+                "rounds": rounds,
+                "max_iterations": spec.max_iterations,
+                "time_limit_s": spec.time_limit_s,
+            }
+        ],
+        "runs": [],
     }
+    return contest, problem
+
+
+def hold(
+    contest: dict,
+    problem: judge.Problem,
+    spec: Spec,
+    chosen: list[System],
+    tools: Tools,
+    tell: Callable[[str], None],
+) -> None:
+    """Run every system once per round into `contest`; what failed once is not tried again."""
+    rounds = contest["measured"][-1]["rounds"]
+    failed: set[str] = set()
+    for number in range(rounds):
+        for system in chosen:
+            tell(f"{spec.name}: {system.key}, round {number + 1}/{rounds}")
+            if system.key in failed:
+                continue
+            run = systems.run(system, tools, spec, problem)
+            contest["runs"].append({"round": number, **run})
+            if "error" in run:
+                failed.add(system.key)
 
 
 def merge(first: dict, second: dict) -> dict:
     """Two contests of one problem as one; the rounds of the second count on."""
     offset = 1 + max((run["round"] for run in first["runs"]), default=-1)
     later = [{**run, "round": run["round"] + offset} for run in second["runs"]]
-    return {**first, "runs": first["runs"] + later}
+    return {
+        **first,
+        "measured": first.get("measured", []) + second.get("measured", []),
+        "runs": first["runs"] + later,
+    }
+
+
+def end_of(run: dict) -> str:
+    """Why a run ended, in the same words for every system; each has its own in `message`."""
+    text = run.get("message", "").lower()
+    return next((end for word, end in ENDS.items() if word in text), "")
 
 
 def finished(contest: dict) -> list[dict]:
@@ -83,8 +119,18 @@ def summary_row(key: str, contest: dict, best: float) -> dict:
         "memory_bytes_per_observation": memory / n,
         "excess": median(run["judged_cost"] for run in runs) / best - 1.0,
         "linear_solver": runs[0].get("linear_solver", ""),
+        "ended": end_of(runs[0]),
         "message": runs[0].get("message", ""),
     }
+
+
+def counts_otherwise(row: dict) -> bool:
+    """Whether a system reached f* by its own cost and not by the judge's: it drops observations."""
+    return (
+        "error" not in row
+        and math.isfinite(row["times_to"][-1])
+        and row["excess"] > 2.0 * (judge.STRICT - 1.0)
+    )
 
 
 def headline_time(run: dict) -> float:

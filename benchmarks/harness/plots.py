@@ -60,7 +60,7 @@ def over_sizes(
             if len(xy) == 0:
                 continue
             width = 2.4 if family == "native" else 1.4
-            panel.plot(*xy.T, "o-", ms=4, lw=width, color=color, label=series.LABELS[family])
+            panel.plot(*xy.T, "o-", ms=4, lw=width, color=color, label=series.label(held, family))
         panel.set(xscale="log", yscale="log", xlabel="observations", title=name)
     panels[0].set_ylabel(label)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)

@@ -34,6 +34,7 @@ class Spec:
     """A problem by name, and how long a solve of it may go on."""
 
     name: str
+    num_cameras: int
     num_observations: int
     max_iterations: int
     function_tolerance: float
@@ -44,9 +45,10 @@ def synthetic_spec(kind: str, cameras: int, points: int, observations: int) -> S
     """Named as BAL names its files: street-250-65000."""
     name = f"{kind}-{cameras}-{points}"
     if observations <= SMALL:
-        return Spec(name, observations, 100, 1e-8, 60.0)
+        return Spec(name, cameras, observations, 100, 1e-8, 60.0)
     large = observations > 1_000_000
-    return Spec(name, observations, 25 if large else 50, 1e-8, 40.0 if large else 60.0)
+    limits = (25, 1e-8, 240.0) if large else (50, 1e-8, 60.0)
+    return Spec(name, cameras, observations, *limits)
 
 
 SYNTHETIC = {
@@ -57,9 +59,9 @@ SYNTHETIC = {
     for spec in [synthetic_spec(kind, cameras, points, observations)]
 }
 REAL = {
-    "ladybug-49": ("49-7776", Spec("ladybug-49", 31843, 100, 1e-8, 60.0)),
-    "ladybug-49-front": ("49-7776", Spec("ladybug-49-front", 31812, 100, 1e-8, 60.0)),
-    "trafalgar-21": ("21-11315", Spec("trafalgar-21", 36455, 100, 1e-8, 60.0)),
+    "ladybug-49": ("49-7776", Spec("ladybug-49", 49, 31843, 100, 1e-8, 60.0)),
+    "ladybug-49-front": ("49-7776", Spec("ladybug-49-front", 49, 31812, 100, 1e-8, 60.0)),
+    "trafalgar-21": ("21-11315", Spec("trafalgar-21", 21, 36455, 100, 1e-8, 60.0)),
 }
 DEFAULT = (
     "ladybug-49-front",

@@ -8,13 +8,32 @@ import numpy as np
 from harness import contest as contests
 
 PEERS = ("autodiff", "analytic", "pycolmap", "gtsam")
-LABELS = {
-    "native": "raylign native",
-    "analytic": "raylign through Ceres 2.1",
-    "autodiff": "Ceres 2.1, autodiff",
-    "pycolmap": "pycolmap 4.2.1 (Ceres 2.2)",
-    "gtsam": "GTSAM 4.3.0",
-}
+
+
+def family_of(row: dict) -> str:
+    return str(row["system"]).split(" ")[0]
+
+
+def version(held: list[dict], family: str) -> str:
+    """As a family's workers name themselves, up to the first colon; empty: none finished."""
+    messages = (
+        row["message"]
+        for contest in held
+        for row in contest["rows"]
+        if family_of(row) == family and "error" not in row
+    )
+    return next(messages, "").split(":")[0]
+
+
+def label(held: list[dict], family: str) -> str:
+    """A system by name, with the versions that were measured."""
+    ceres = version(held, "autodiff") or "Ceres"
+    names = {
+        "native": "raylign native",
+        "analytic": f"raylign through {ceres}",
+        "autodiff": f"{ceres}, autodiff",
+    }
+    return names.get(family) or version(held, family) or family
 
 
 def find_row(contest: dict, key: str) -> dict | None:
@@ -22,15 +41,37 @@ def find_row(contest: dict, key: str) -> dict | None:
     return next((r for r in contest["rows"] if r["system"] == key and "error" not in r), None)
 
 
+def rows_of(contest: dict, family: str, threads: int) -> list[dict]:
+    """Every variant of a family on so many threads, failures included."""
+    return [
+        row
+        for row in contest["rows"]
+        if family_of(row) == family and row["system"].endswith(f"x{threads}")
+    ]
+
+
+def why_never(contest: dict, family: str, threads: int) -> str:
+    """Why no variant of a family came within 0.1 % of the best cost."""
+    rows = rows_of(contest, family, threads)
+    if not rows:
+        return "not run"
+    ends = {row.get("ended", "") for row in rows if "error" not in row}
+    limits = max(contest.get("measured", []), key=lambda entry: entry["time_limit_s"], default=None)
+    if limits is not None and "time limit" in ends:
+        return f"not in {limits['time_limit_s']:g} s"
+    if limits is not None and "limit of iterations" in ends:
+        return f"not in {limits['max_iterations']} iterations"
+    if "tolerance" in ends:
+        return "ended above"
+    return "not within its limits" if ends else "failed"
+
+
 def best_variant(contest: dict, family: str, threads: int) -> dict | None:
     """The row of `family` that is first within 0.1 % of the best cost."""
     rows = [
         row
-        for row in contest["rows"]
-        if row["system"].startswith(family + " ")
-        and row["system"].endswith(f"x{threads}")
-        and "error" not in row
-        and math.isfinite(row["times_to"][-1])
+        for row in rows_of(contest, family, threads)
+        if "error" not in row and math.isfinite(row["times_to"][-1])
     ]
     return min(rows, key=lambda row: row["times_to"][-1], default=None)
 
@@ -51,6 +92,7 @@ class Comparison:
     """One peer's best variant against the native engine, ratios > 1: native is better."""
 
     system: str
+    counts_otherwise: bool  # got there by a cost of its own
     time: float | None  # to 0.1 % above the best cost
     iteration: float | None  # ns per observation and iteration
     memory: float | None  # peak beyond the imports
@@ -64,6 +106,7 @@ def compare(contest: dict, family: str, threads: int) -> Comparison | None:
     pair = (contest, theirs["system"], ours["system"])
     return Comparison(
         theirs["system"],
+        contests.counts_otherwise(theirs),
         contests.ratio(*pair, contests.headline_time),
         contests.ratio(*pair, lambda r: contests.judge.ns_per_observation_and_iteration(r, n)),
         contests.ratio(*pair, lambda run: run["peak_bytes"] - run["baseline_bytes"]),

@@ -15,7 +15,9 @@ from harness.problems import CACHE, Spec, cached, find_file
 WORKERS = Path(__file__).resolve().parents[1] / "workers"
 STARTUP_S = 240.0  # reading, building and writing of the slowest system on the largest problem
 CERES_SOLVERS = ("dense_schur", "sparse_schur", "iterative_schur", "iterative_explicit")
-DENSE_LIMIT = 600  # cameras: 9 · 600 unknowns, 0.2 GB, a factor takes seconds; beyond: minutes
+# Cameras up to which a solve ends while somebody waits: a dense factor of 9 · 600 unknowns takes
+# seconds, beyond minutes, and so does an iteration of GTSAM beyond 250.
+LIMITS = {"dense": 600, "gtsam": 250}
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,17 @@ class System:
         return f"{self.name} x{self.threads}"
 
     def is_default(self) -> bool:
-        """Part of `make bench`: every linear solver on one thread, the automatic choice on two."""
+        """Part of `make bench`: every linear solver on one thread, the best ones on two."""
         if "explicit" in self.solver:
             return False
-        return self.threads == 1 or self.solver.split(":")[-1] in ("auto", "schur")
+        if self.threads == 1:
+            return True
+        best = {"autodiff": CERES_SOLVERS[:2], "gtsam": ("multifrontal",)}
+        return self.solver.split(":")[-1] in best.get(self.family, ("auto",))
 
-    def suits(self, num_cameras: int) -> bool:
+    def suits(self, spec: Spec) -> bool:
         """Whether a solve ends while somebody waits."""
-        return num_cameras <= DENSE_LIMIT or "dense" not in self.solver
+        return all(spec.num_cameras <= limit for word, limit in LIMITS.items() if word in self.key)
 
 
 @dataclass(frozen=True)
@@ -72,7 +77,7 @@ def all_systems(tools: Tools) -> list[System]:
         found += [System("autodiff", s, threads) for s in CERES_SOLVERS]
     if tools.peers is not None:
         found += [System("pycolmap", "auto", threads) for threads in (1, 2)]
-        found += [System("gtsam", "schur", threads) for threads in (1, 2)]
+        found += [System("gtsam", s, t) for t in (1, 2) for s in ("schur", "multifrontal")]
     return found
 
 
@@ -114,29 +119,41 @@ def run(system: System, tools: Tools, spec: Spec, loaded: judge.Problem) -> dict
     record = {"system": system.key, "name": system.name, "threads": system.threads}
     with tempfile.TemporaryDirectory(dir=CACHE) as folder:
         parameters = Path(folder) / "parameters"
-        arguments = {
-            "--solver": system.solver,
-            "--threads": system.threads,
-            "--max-iterations": spec.max_iterations,
-            "--function-tolerance": spec.function_tolerance,
-            "--time-limit": spec.time_limit_s,
-            "--parameters": parameters,
-        }
-        flags = [str(word) for pair in arguments.items() for word in pair]
         try:
-            process = subprocess.run(
-                [*command(system, tools, spec.name), *flags],
-                capture_output=True,
-                text=True,
-                timeout=2.0 * spec.time_limit_s + STARTUP_S,
-                env=environment(system),
-                preexec_fn=pin(system.threads),
-            )
-        except subprocess.TimeoutExpired:
-            return {**record, "error": "killed: twice over its time limit"}
-        if process.returncode != 0:
-            last_line = (process.stderr.strip().splitlines() or ["no message"])[-1]
-            return {**record, "error": f"exit status {process.returncode}: {last_line}"}
-        record |= json.loads(process.stdout.splitlines()[-1])
-        record["judged_cost"] = judge.cost(loaded, *judge.read_parameters(parameters, loaded))
+            record |= solve(system, tools, spec, parameters)
+            record["judged_cost"] = judge.cost(loaded, *judge.read_parameters(parameters, loaded))
+        except subprocess.TimeoutExpired as error:
+            record["error"] = f"killed after {error.timeout:.0f} s, far over its time limit"
+        except subprocess.CalledProcessError as error:
+            last_line = (error.stderr.strip().splitlines() or ["no message"])[-1]
+            record["error"] = f"exit status {error.returncode}: {last_line}"
+        except (
+            OSError,
+            ValueError,
+            IndexError,
+        ) as error:  # no such program, no JSON, no parameters
+            record["error"] = f"{type(error).__name__}: {error}"
     return record
+
+
+def solve(system: System, tools: Tools, spec: Spec, parameters: Path) -> dict:
+    """The worker's JSON line; its parameters are written to `parameters`."""
+    arguments = {
+        "--solver": system.solver,
+        "--threads": system.threads,
+        "--max-iterations": spec.max_iterations,
+        "--function-tolerance": spec.function_tolerance,
+        "--time-limit": spec.time_limit_s,
+        "--parameters": parameters,
+    }
+    flags = [str(word) for pair in arguments.items() for word in pair]
+    process = subprocess.run(
+        [*command(system, tools, spec.name), *flags],
+        capture_output=True,
+        check=True,
+        text=True,
+        timeout=2.0 * spec.time_limit_s + STARTUP_S,
+        env=environment(system),
+        preexec_fn=pin(system.threads),
+    )
+    return dict(json.loads(process.stdout.splitlines()[-1]))

@@ -18,13 +18,14 @@ COLUMNS = (
     "0.1 %",
     "0.01 %",
     "0.1 % of f*",
-    "ratio",
+    "times ours",
     "final cost",
     "iterations",
     "ns/obs/iteration",
-    "ratio",
+    "times ours",
     "MB",
     "B/obs",
+    "ended by",
 )
 
 
@@ -40,10 +41,10 @@ def times(value: float | None) -> str:
 
 
 def cells(contest: dict, row: dict) -> list[str]:
-    """`row` of a summarised contest, as COLUMNS name it."""
+    """`row` of a summarised contest, as COLUMNS name it; what failed has a note beside."""
     key = row["system"]
     if "error" in row:
-        return [key, row["error"]]
+        return [key, *["–"] * (len(COLUMNS) - 2), "failed"]
     ours = f"{OURS} x{key[-1]}"
 
     def against_ours(value: Callable[[dict], float]) -> str:
@@ -63,39 +64,58 @@ def cells(contest: dict, row: dict) -> list[str]:
         against_ours(lambda run: contests.judge.ns_per_observation_and_iteration(run, n)),
         f"{row['memory_bytes'] / 1e6:.0f}",
         f"{row['memory_bytes_per_observation']:.0f}",
+        row.get("ended", ""),
     ]
 
 
-def title(contest: dict) -> str:
+def facts(contest: dict) -> str:
     return (
-        f"{contest['problem']}: {contest['num_cameras']} cameras, {contest['num_points']} points, "
-        f"{contest['num_observations']} observations; cost {contest['initial_cost']:.6g} -> "
-        f"{contest['best_cost']:.9g}"
+        f"{contest['num_cameras']} cameras, {contest['num_points']} points, "
+        f"{contest['num_observations']} observations; cost from {contest['initial_cost']:.6g} to "
+        f"f* = {contest['best_cost']:.9g}."
     )
 
 
 def terminal_table(contest: dict) -> Table:
     table = Table(
-        title=title(contest),
+        title=f"{contest['problem']}: {facts(contest)}",
         caption="s to the start's excess over the best cost f* times 10 % ... 0.01 %, and to "
         f"1.001 f*; ratios to {OURS}, same threads, within a round; final cost: relative to f*",
     )
     for column in COLUMNS:
         table.add_column(column, justify="left" if column == "system" else "right")
     for row in contest["rows"]:
-        if "error" in row:
-            table.add_row(row["system"], *[""] * (len(COLUMNS) - 2), "failed")
-        else:
-            table.add_row(*cells(contest, row))
+        table.add_row(*cells(contest, row))
     return table
 
 
-def markdown_table(contest: dict, keep: Callable[[str], bool] = lambda key: True) -> str:
-    """The rows whose system `keep` takes."""
-    lines = ["| " + " | ".join(COLUMNS) + " |", "|---|" + "---:|" * (len(COLUMNS) - 1)]
+def notes(contest: dict) -> list[str]:
+    """What the table has no column for: failures, restarts, costs that are not the judge's."""
+    found = []
     for row in contest["rows"]:
-        if keep(row["system"]):
-            shown = cells(contest, row)
-            shown += [""] * (len(COLUMNS) - len(shown))
-            lines.append("| " + " | ".join(shown) + " |")
+        if "error" in row:
+            found.append(f"{row['system']} failed: {row['error']}")
+        elif " restarts" in row["message"] and " 0 restarts" not in row["message"]:
+            found.append(f"{row['system']}: {row['message']}")
+        if contests.counts_otherwise(row):
+            found.append(
+                f"{row['system']}: ended within 0.1 % of f* by its own cost, "
+                f"{row['excess']:+.0e} from it by the judge's; its times are to its own"
+            )
+    return found
+
+
+def markdown_table(contest: dict) -> str:
+    lines = ["| " + " | ".join(COLUMNS) + " |", "|---|" + "---:|" * (len(COLUMNS) - 1)]
+    lines += ["| " + " | ".join(cells(contest, row)) + " |" for row in contest["rows"]]
+    lines += [f"\n{sentence}" for sentence in (*origin(contest), *notes(contest))]
     return "\n".join(lines)
+
+
+def origin(contest: dict) -> list[str]:
+    """Where and within which limits the rounds of a contest were measured."""
+    return [
+        f"{entry['rounds']} round{'s' * (entry['rounds'] > 1)} at commit {entry['commit']}, "
+        f"at most {entry['max_iterations']} iterations or {entry['time_limit_s']:g} s a solve."
+        for entry in contest.get("measured", [])
+    ]

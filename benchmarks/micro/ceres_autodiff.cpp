@@ -96,11 +96,12 @@ int main(int argc, char** argv) {
       "{\"parse_s\": %.6f, \"build_s\": %.6f, \"preprocess_s\": %.6f, \"solve_s\": %.6f, "
       "\"jacobian_s\": %.6f, \"residual_s\": %.6f, \"linear_solver_s\": %.6f, "
       "\"baseline_bytes\": %ld, \"peak_bytes\": %ld, \"num_residuals\": %d, "
-      "\"linear_solver\": \"%s\", \"message\": \"Ceres %s\", ",
+      "\"linear_solver\": \"%s\", \"message\": \"Ceres %s: %s\", ",
       parsed_s, built_s - parsed_s, s.preprocessor_time_in_seconds, solved_s - built_s,
       s.jacobian_evaluation_time_in_seconds, s.residual_evaluation_time_in_seconds,
       s.linear_solver_time_in_seconds, baseline_bytes, peak_bytes, s.num_residuals,
-      ceres::LinearSolverTypeToString(s.linear_solver_type_used), CERES_VERSION_STRING);
+      ceres::LinearSolverTypeToString(s.linear_solver_type_used), CERES_VERSION_STRING,
+      s.message.c_str());
   print_trace(s);
   std::printf("}\n");
   return s.IsSolutionUsable() ? 0 : 1;

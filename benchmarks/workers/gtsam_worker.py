@@ -1,4 +1,8 @@
-"""GTSAM's wheel: general SFM factors, its Sfm Levenberg-Marquardt with Ceres-style damping."""
+"""GTSAM's wheel: general SFM factors under Ceres-style Levenberg-Marquardt damping.
+
+Solvers: `schur`, its optimizer for structure from motion, which eliminates the points first, and
+`multifrontal`, its general one.
+"""
 
 import time
 from importlib.metadata import version
@@ -9,6 +13,8 @@ import numpy as np
 from protocol import parse_arguments, report, status_bytes
 
 FLIP = np.diag([1.0, -1.0, -1.0])  # BAL looks along −z, GTSAM along +z
+MORE_DAMPING = 10.0
+MAX_DAMPING = 1e8
 
 
 def log_so3(R: np.ndarray) -> np.ndarray:
@@ -24,33 +30,56 @@ def bal_camera(camera) -> list[float]:
     return [*log_so3(R_cw), *t_cw, calibration.fx(), calibration.k1(), calibration.k2()]
 
 
-def make_parameters(arguments) -> "gtsam.SfmLevenbergMarquardtParams":
-    parameters = gtsam.SfmLevenbergMarquardtParams.ceresDefaults()
-    mode = gtsam.SfmEliminationMode
-    parameters.setEliminationMode(mode.Schur if arguments.solver == "schur" else mode.Full)
-    return parameters
+def make_optimizer(solver: str, graph, values, damping: float | None = None):
+    """With GTSAM's imitation of Ceres' damping; `damping`: where it starts, and its least."""
+    if solver == "multifrontal":
+        kind = gtsam.LevenbergMarquardtOptimizer
+        parameters = gtsam.LevenbergMarquardtParams.CeresDefaults()
+    else:
+        kind = gtsam.SfmLevenbergMarquardtOptimizer
+        parameters = gtsam.SfmLevenbergMarquardtParams.ceresDefaults()
+        parameters.setEliminationMode(gtsam.SfmEliminationMode.Schur)
+    if damping is not None:
+        parameters.setlambdaInitial(damping)
+        parameters.setlambdaLowerBound(damping)
+    return kind(graph, values, parameters)
 
 
-def solve(optimizer, arguments, start: float) -> tuple[list[list[float]], str]:
-    """(trace, why it ended); iterate() is one accepted step with all its damping trials."""
+def solve(arguments, graph, optimizer, start: float):
+    """(optimizer, trace, why it ended); iterate() is one accepted step with all its damping trials.
+
+    The optimizer for structure from motion throws, without a message, where the reduced system is
+    not positive definite; the general one raises its damping there. Here it goes on from its values
+    with more damping, and the time of the failed step counts.
+    """
     trace = [[time.perf_counter() - start, optimizer.error()]]
-    for _ in range(arguments.max_iterations):
+    restarts = 0
+
+    def end(reason: str):
+        return optimizer, trace, f"{reason}, {restarts} restarts with more damping"
+
+    while len(trace) <= arguments.max_iterations:
+        if time.perf_counter() - start > arguments.time_limit:
+            return end("time limit")
         try:
             optimizer.iterate()
-        except RuntimeError as error:  # thrown by GTSAM without a message; its values are usable
-            return trace, f"iterate() raised {error!r}"
+        except RuntimeError:
+            damping = MORE_DAMPING * optimizer.lambda_()
+            if damping > MAX_DAMPING:
+                return end("iterate() raised whatever the damping")
+            optimizer = make_optimizer(arguments.solver, graph, optimizer.values(), damping)
+            restarts += 1
+            continue
         trace.append([time.perf_counter() - start, optimizer.error()])
         change = trace[-2][1] - trace[-1][1]
         if change <= arguments.function_tolerance * trace[-1][1]:
-            return trace, "function tolerance"
-        if trace[-1][0] > arguments.time_limit:
-            return trace, "time limit"
-    return trace, "maximum number of iterations"
+            return end("function tolerance")
+    return end("maximum number of iterations")
 
 
 def main() -> None:
     baseline_bytes = status_bytes("VmRSS")
-    arguments = parse_arguments(("schur", "full"))
+    arguments = parse_arguments(("schur", "multifrontal"))
     start = time.perf_counter()
     data = gtsam.SfmData.FromBalFile(str(arguments.problem))
     parse_s = time.perf_counter() - start
@@ -59,9 +88,9 @@ def main() -> None:
     values = gtsam.initialCamerasAndPointsEstimate(data)
     build_s = time.perf_counter() - start
     start = time.perf_counter()
-    optimizer = gtsam.SfmLevenbergMarquardtOptimizer(graph, values, make_parameters(arguments))
+    optimizer = make_optimizer(arguments.solver, graph, values)
     preprocess_s = time.perf_counter() - start
-    trace, end = solve(optimizer, arguments, start)
+    optimizer, trace, end = solve(arguments, graph, optimizer, start)
     solve_s = time.perf_counter() - start
     peak_bytes = status_bytes("VmHWM")
     values = optimizer.values()
@@ -80,7 +109,8 @@ def main() -> None:
         trace=trace,
         baseline_bytes=baseline_bytes,
         peak_bytes=peak_bytes,
-        message=f"gtsam {version('gtsam')}: {end}",
+        linear_solver=arguments.solver,
+        message=f"GTSAM {version('gtsam')}: {end}",
     )
 
 

@@ -74,9 +74,11 @@ def contest(*turns: dict[str, float]) -> dict:
             run = {"round": number, "system": key, "trace": [[0.0, 9.0], [seconds, 1.0]]}
             run |= dict.fromkeys(("parse_s", "build_s", "preprocess_s", "solve_s"), 0.0)
             run |= {"judged_cost": 1.0, "baseline_bytes": 0, "peak_bytes": 500}
+            run |= {"message": "CONVERGENCE: Function tolerance reached."}
             failed = {"round": number, "system": key, "error": "killed"}
             runs.append(failed if math.isnan(seconds) else run)
-    return {"problem": "p", "num_observations": 10, "initial_cost": 9.0, "runs": runs}
+    sizes = {"num_cameras": 2, "num_points": 3, "num_observations": 10}
+    return {"problem": "p", **sizes, "initial_cost": 9.0, "measured": [], "runs": runs}
 
 
 def test_ratios_are_taken_within_a_round():
@@ -129,3 +131,84 @@ def test_colmap_rotations_are_a_half_turn_from_ours(written):
     R = raylign.geometry.quaternion_to_matrix(np.stack([x, y, z, real], axis=1))
     expected = np.diag([1.0, -1.0, -1.0]) @ raylign.geometry.so3_exp(w)
     np.testing.assert_allclose(R, expected, atol=1e-14)
+
+
+def test_what_failed_once_is_not_tried_again_in_its_contest(written, tmp_path, monkeypatch):
+    from harness import contest as contests
+    from harness import problems, systems
+
+    monkeypatch.setattr(systems, "CACHE", tmp_path)
+    spec = problems.find_spec("orbit-50-1000")
+    monkeypatch.setattr(systems, "command", lambda system, *_: [system.solver, "argument"])
+    told: list[str] = []
+    held = {"measured": [{"rounds": 3}], "runs": []}
+    chosen = [systems.System("gone", "/no/such/program", 1), systems.System("mute", "true", 1)]
+    tools = systems.Tools(tmp_path, None)
+    contests.hold(held, written, spec, chosen, tools, told.append)
+    assert len(told) == 6
+    assert [run["system"] for run in held["runs"]] == [system.key for system in chosen]
+    assert "FileNotFoundError" in held["runs"][0]["error"]
+    assert "IndexError" in held["runs"][1]["error"]  # exit status 0, but no JSON
+
+
+def test_ends_are_named_alike_for_every_system():
+    from harness import contest as contests
+
+    messages = {
+        "CONVERGENCE: Function tolerance reached. |cost change| / cost: 2e-09": "tolerance",
+        "MAX_ITERATIONS: max_num_iterations reached": "limit of iterations",
+        "TIME_LIMIT: max_solver_time_s reached": "time limit",
+        "Ceres 2.1.0: Maximum number of iterations reached. Number of iterations: 9.": (
+            "limit of iterations"
+        ),
+        "pycolmap 4, Ceres 2: Maximum solver time reached. Total solver time: 1": "time limit",
+        "GTSAM 4.3.0: time limit, 0 restarts with more damping": "time limit",
+        "FAILURE: Trust region radius too small": "",
+    }
+    assert {text: contests.end_of({"message": text}) for text in messages} == messages
+
+
+def test_session_keeps_what_was_measured_and_appends(tmp_path):
+    import json
+
+    from harness.session import Session, fresh_target
+
+    target = tmp_path / "r.json"
+    session = Session(target, {"commit": "1"}, append=False)
+    assert not session.save()
+    assert not target.exists()
+    session.contests.append(contest({"a": 4.0}))
+    session.contests.append({**contest(), "problem": "interrupted"})
+    assert session.save()
+    again = Session(target, {"commit": "2"}, append=True)
+    again.contests.append(contest({"a": 6.0}))
+    again.parts["import"] = {"python": 0.1}
+    again.save()
+    results = json.loads(target.read_text())["results"]
+    assert [run["round"] for run in results["contests"][0]["runs"]] == [0, 1]
+    assert len(results["contests"]) == 1
+    assert results["import"] == {"python": 0.1}
+    (tmp_path / "2026-01-02.json").touch()
+    assert fresh_target(tmp_path, "2026-01-02").name == "2026-01-02-2.json"
+
+
+def test_tables_say_why_a_system_has_no_figure():
+    import report
+    from harness import contest as contests
+
+    held = contest({"native auto x1": 1.0, "autodiff dense x1": 8.0, "gtsam schur x1": math.nan})
+    slow = {**held["runs"][1], "system": "pycolmap auto x1"}
+    slow |= {"trace": [[0.0, 9.0], [5.0, 2.0]], "judged_cost": 2.0}
+    slow |= {"message": "pycolmap 4.2.1: Maximum solver time reached."}
+    held["runs"] += [slow, {**held["runs"][1], "system": "analytic dense x1", "judged_cost": 1.5}]
+    held["measured"] = [
+        {"commit": "c", "date": "d", "rounds": 1, "max_iterations": 9, "time_limit_s": 60.0}
+    ]
+    table = report.headline_table([contests.summarize(held)], 1)
+    row = table.splitlines()[2]
+    assert row == "| p | 1 | 8.0 / 8.0 / 1.0 | 8.0 / 8.0 / 1.0\\* | not in 60 s | failed |"
+    assert "pycolmap 4.2.1" in table.splitlines()[0]
+    assert report.headline_table([contests.summarize(held)], 2).startswith("No peer")
+    section = report.contest_sections([contests.summarize(held)])
+    assert "gtsam schur x1 failed: killed" in section
+    assert "at most 9 iterations or 60 s" in section
