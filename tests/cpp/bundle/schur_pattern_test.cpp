@@ -7,40 +7,17 @@
 #include <set>
 #include <utility>
 
+#include "bundle/random_tracks.h"
 #include "raylign/bundle/native/product_plan.h"
-#include "support/named_rng.h"
 
 namespace raylign::native {
 namespace {
 
-// Tracks of 2 … max_length cameras out of `num_cameras`, some of them seen twice by a camera.
-BalProblem random_tracks(int num_cameras, int num_points, int max_length) {
-  auto rng = test::make_rng("random tracks");
-  std::vector<int> cameras;
-  std::vector<int> points;
-  for (int p = 0; p < num_points; ++p) {
-    const int length = rng.integer(2, max_length);
-    const int first = rng.integer(0, num_cameras - 1);
-    for (int k = 0; k < length; ++k) {
-      cameras.push_back((first + rng.integer(0, 2 * k)) % num_cameras);
-      points.push_back(p);
-    }
-  }
-  BalProblem problem;
-  problem.cameras.setZero(num_cameras, 9);
-  problem.points.setZero(num_points, 3);
-  const auto count = static_cast<Eigen::Index>(cameras.size());
-  problem.camera_index = Eigen::Map<Eigen::VectorXi>(cameras.data(), count);
-  problem.point_index = Eigen::Map<Eigen::VectorXi>(points.data(), count);
-  problem.observations.setZero(count, 2);
-  return problem;
-}
-
 class Pattern : public testing::TestWithParam<int> {};  // longest track
 
 TEST_P(Pattern, HoldsThePairsOfMovingCameras) {
-  const Layout layout(random_tracks(30, 400, GetParam()));
-  std::vector<unsigned char> active(30, 1);
+  const Layout layout(test::random_tracks(70, 400, GetParam()));
+  std::vector<unsigned char> active(70, 1);
   active[4] = active[17] = 0;
   const SchurPattern pattern(layout, active);
   std::set<std::pair<int, int>> expected;
@@ -57,7 +34,7 @@ TEST_P(Pattern, HoldsThePairsOfMovingCameras) {
     }
   }
   std::set<std::pair<int, int>> found;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 70; ++i) {
     for (auto b = pattern.starts[i]; b < pattern.starts[i + 1]; ++b) {
       if (b > pattern.starts[i]) {
         EXPECT_LT(pattern.columns[b - 1], pattern.columns[b]);
@@ -70,8 +47,8 @@ TEST_P(Pattern, HoldsThePairsOfMovingCameras) {
 }
 
 TEST_P(Pattern, PlanListsEveryProductOnceUnderItsBlock) {
-  const Layout layout(random_tracks(30, 400, GetParam()));
-  std::vector<unsigned char> active(30, 1);
+  const Layout layout(test::random_tracks(70, 400, GetParam()));
+  std::vector<unsigned char> active(70, 1);
   active[4] = active[17] = 0;
   const SchurPattern pattern(layout, active);
   const ProductPlan plan(layout, pattern);

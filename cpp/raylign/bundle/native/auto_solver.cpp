@@ -23,7 +23,7 @@ AutoSolver::AutoSolver(const LinearSolverOptions& options,
     : options_(options),
       context_(context),
       interrupted_(std::move(interrupted)),
-      structure_{{context.layout, moving_cameras(context.cameras)}, {}} {
+      structure_{{context.layout, moving_cameras(context.cameras), context.pool}, {}} {
   count();
   const SolveCosts costs = predict_costs(counts_);
   choose(cheapest(costs));

@@ -3,7 +3,10 @@
 #include "raylign/bundle/native/layout.h"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 
+#include "raylign/bundle/native/parallel.h"
 #include "raylign/bundle/native/table.h"
 
 namespace raylign::native {
@@ -11,37 +14,6 @@ namespace {
 
 constexpr std::int64_t kMaxChunks = 16;
 constexpr std::int64_t kMinObservationsPerChunk = 4096;
-
-using Positions = Table<std::int32_t>;  // of observations: there are less than 2³¹
-
-// The positions sorted by key(position), equal keys in their order: a counting sort.
-template <typename Range, typename Key>
-Positions sorted_by(const Range& positions, std::int64_t num_keys, Key key) {
-  std::vector<std::int32_t> next(num_keys + 1, 0);
-  for (const std::int32_t i : positions) ++next[key(i) + 1];
-  for (std::int64_t k = 0; k < num_keys; ++k) next[k + 1] += next[k];
-  Positions sorted(positions.size());
-  for (const std::int32_t i : positions) sorted[next[key(i)]++] = i;
-  return sorted;
-}
-
-// 0 … n − 1.
-class Numbers {
- public:
-  explicit Numbers(std::int64_t count) : count_(static_cast<std::int32_t>(count)) {}
-  struct Iterator {
-    std::int32_t i;
-    std::int32_t operator*() const { return i; }
-    void operator++() { ++i; }
-    bool operator!=(const Iterator& other) const { return i != other.i; }
-  };
-  Iterator begin() const { return {0}; }
-  Iterator end() const { return {count_}; }
-  std::size_t size() const { return static_cast<std::size_t>(count_); }
-
- private:
-  std::int32_t count_;
-};
 
 CameraKind camera_kind_of(CameraModel model) {
   switch (model) {
@@ -55,60 +27,137 @@ CameraKind camera_kind_of(CameraModel model) {
   return CameraKind::BAL;
 }
 
+// Fills what of a layout belongs to one chunk. What has no place yet, because its length is not
+// known before, is kept until all chunks are through.
+class ChunkFiller {
+ public:
+  void fill(Layout& layout, const BundleScene& scene, Tracks& tracks, int chunk) {
+    cut_windows(layout, layout.chunks[chunk], layout.chunks[chunk + 1]);
+    next_.assign(layout.num_cameras, 0);
+    for (std::size_t w = 0; w + 1 < windows_.size(); ++w) {
+      sort_by_length(layout, tracks, windows_[w], windows_[w + 1]);
+    }
+    for (std::size_t w = 0; w + 1 < windows_.size(); ++w) {
+      copy_observations(layout, scene, tracks, windows_[w], windows_[w + 1]);
+      sort_by_camera(layout, windows_[w], windows_[w + 1]);
+    }
+  }
+
+  void append_to(Layout& layout) const {
+    const auto first_visit = static_cast<std::int64_t>(layout.visits.size());
+    layout.chunk_windows.push_back(static_cast<std::int32_t>(layout.windows.size()));
+    for (std::size_t w = 0; w + 1 < windows_.size(); ++w) {
+      layout.windows.push_back(windows_[w]);
+      layout.window_visits.push_back(first_visit + window_visits_[w]);
+    }
+    layout.visits.insert(layout.visits.end(), visits_.begin(), visits_.end());
+    for (const CameraVisit& visit : visits_) layout.observed[visit.camera] = true;
+  }
+
+ private:
+  void cut_windows(const Layout& layout, std::int64_t begin, std::int64_t end) {
+    const auto& starts = layout.starts;
+    for (std::int64_t j = begin; j < end;) {
+      windows_.push_back(j);
+      const std::int64_t limit = starts[j] + Layout::kWindow;
+      const bool alone = layout.is_long(j++);
+      while (!alone && j < end && !layout.is_long(j) && starts[j + 1] <= limit) ++j;
+    }
+    windows_.push_back(end);
+  }
+
+  // The tracks [begin, end) of a window, the longest first, equal ones in their order: a counting
+  // sort. A long track is alone and stays.
+  void sort_by_length(Layout& layout, Tracks& tracks, std::int64_t begin, std::int64_t end) {
+    if (end - begin == 1) return;
+    std::int32_t next[Layout::kLongTrack + 1] = {};
+    const auto sorted = tracks.sorted.begin();
+    unsorted_.assign(sorted + begin, sorted + end);
+    for (const Track& track : unsorted_) ++next[track.length];
+    std::int32_t sum = 0;
+    for (auto length = Layout::kLongTrack; length > 0; --length) {
+      sum += std::exchange(next[length], sum);
+    }
+    for (const Track& track : unsorted_) sorted[begin + next[track.length]++] = track;
+    for (auto j = begin; j + 1 < end; ++j) {  // the last one ends where the window does
+      layout.starts[j + 1] = layout.starts[j] + sorted[j].length;
+    }
+  }
+
+  void copy_observations(Layout& layout,
+                         const BundleScene& scene,
+                         const Tracks& tracks,
+                         std::int64_t begin,
+                         std::int64_t end) {
+    constexpr std::int64_t kAhead = 8;
+    const std::int32_t* cameras = scene.camera_index.data();
+    const double* uv = scene.observations.data();
+    for (auto j = begin; j < end; ++j) {
+      if (j + kAhead < windows_.back()) {  // elsewhere in the problem: memory takes its time
+        const std::int32_t i = tracks.observation(tracks.sorted[j + kAhead].first);
+        __builtin_prefetch(cameras + i);
+        __builtin_prefetch(uv + 2 * std::int64_t{i});
+        __builtin_prefetch(uv + 2 * std::int64_t{i} + 8);
+      }
+      const Track& track = tracks.sorted[j];
+      layout.points[j] = track.point;
+      std::int64_t q = layout.starts[j];
+      for (auto k = track.first; k < track.first + track.length; ++k, ++q) {
+        const std::int64_t i = tracks.observation(k);
+        layout.camera[q] = cameras[i];
+        layout.uv[2 * q] = uv[2 * i];
+        layout.uv[2 * q + 1] = uv[2 * i + 1];
+      }
+    }
+  }
+
+  void sort_by_camera(Layout& layout, std::int64_t first_landmark, std::int64_t end_landmark) {
+    const std::int64_t begin = layout.starts[first_landmark];
+    const std::int64_t end = layout.starts[end_landmark];
+    window_visits_.push_back(static_cast<std::int64_t>(visits_.size()));
+    seen_.clear();
+    for (auto q = begin; q < end; ++q) {
+      if (next_[layout.camera[q]]++ == 0) seen_.push_back(layout.camera[q]);
+    }
+    std::sort(seen_.begin(), seen_.end());
+    std::int32_t sum = 0;
+    for (const std::int32_t i : seen_) {
+      const std::int32_t count = std::exchange(next_[i], sum);
+      sum += count;
+      visits_.push_back({i, sum});
+    }
+    for (auto q = begin; q < end; ++q) {
+      layout.places[begin + next_[layout.camera[q]]++] = static_cast<std::int32_t>(q - begin);
+    }
+    for (const std::int32_t i : seen_) next_[i] = 0;
+  }
+
+  std::vector<std::int64_t> windows_;        // first landmarks, and where the last ends
+  std::vector<std::int64_t> window_visits_;  // counted from the chunk's first
+  std::vector<CameraVisit> visits_;
+  std::vector<std::int32_t> next_;  // (C,)
+  std::vector<std::int32_t> seen_;
+  std::vector<Track> unsorted_;
+};
+
 }  // namespace
 
 Layout::Layout(const BundleScene& scene, PointKind kind)
+    : Layout(scene, kind, *std::make_unique<ThreadPool>(1)) {}
+
+Layout::Layout(const BundleScene& scene, PointKind kind, ThreadPool& pool)
     : point_kind(kind),
       camera_kind(camera_kind_of(scene.camera_model)),
-      num_cameras(static_cast<std::int32_t>(scene.num_cameras())) {
-  const auto& cameras = scene.camera_index;
-  const auto& point_of = scene.point_index;
-  const auto by_camera = sorted_by(Numbers(scene.num_observations()), scene.num_cameras(),
-                                   [&](std::int32_t i) { return cameras[i]; });
-  const auto by_point =
-      sorted_by(by_camera, scene.num_points(), [&](std::int32_t i) { return point_of[i]; });
-  std::vector<std::int32_t> tracks;   // first position in by_point of each observed point
-  std::vector<std::int32_t> highest;  // (P,) camera
-  highest.resize(scene.num_points());
-  const auto num_observations = static_cast<std::int32_t>(scene.num_observations());
-  for (std::int32_t k = 0; k < num_observations; ++k) {
-    const std::int32_t point = point_of[by_point[k]];
-    if (k == 0 || point != point_of[by_point[k - 1]]) tracks.push_back(k);
-    highest[point] = cameras[by_point[k]];
-  }
-  const auto by_highest = sorted_by(tracks, scene.num_cameras(),
-                                    [&](std::int32_t k) { return highest[point_of[by_point[k]]]; });
-  const auto ordered = sorted_by(by_highest, scene.num_cameras(),
-                                 [&](std::int32_t k) { return cameras[by_point[k]]; });
-
-  // first positions in the landmarks' order; `starts` knows their lengths from here on
-  std::vector<std::int32_t> order(ordered.begin(), ordered.end());
-  starts.reserve(order.size() + 1);
-  starts.push_back(0);
-  for (const std::int32_t first : order) {
-    auto k = first;
-    while (k < num_observations && point_of[by_point[k]] == point_of[by_point[first]]) ++k;
-    starts.push_back(starts.back() + k - first);
+      num_cameras(static_cast<std::int32_t>(scene.num_cameras())),
+      observed(scene.num_cameras(), false) {
+  Tracks tracks(scene, pool);
+  starts.resize(tracks.sorted.size() + 1);
+  starts[0] = 0;
+  for (std::size_t j = 0; j < tracks.sorted.size(); ++j) {
+    starts[j + 1] = starts[j] + tracks.sorted[j].length;
   }
   cut_chunks();
-  cut_windows();
-  sort_by_length(order);
-
-  points.reserve(order.size());
-  camera.reserve(by_point.size());
-  uv.reserve(2 * by_point.size());
-  observed.assign(scene.num_cameras(), false);
-  for (std::size_t j = 0; j < order.size(); ++j) {
-    points.push_back(point_of[by_point[order[j]]]);
-    for (auto k = order[j]; k < order[j] + starts[j + 1] - starts[j]; ++k) {
-      const std::int32_t i = by_point[k];
-      camera.push_back(cameras[i]);
-      uv.push_back(scene.observations(i, 0));
-      uv.push_back(scene.observations(i, 1));
-      observed[cameras[i]] = true;
-    }
-  }
-  sort_windows();
+  fill_chunks(scene, tracks, pool);
 }
 
 void Layout::cut_chunks() {
@@ -121,65 +170,17 @@ void Layout::cut_chunks() {
   }
 }
 
-void Layout::cut_windows() {
-  for (std::size_t g = 0; g + 1 < chunks.size(); ++g) {
-    chunk_windows.push_back(static_cast<std::int32_t>(windows.size()));
-    for (std::int64_t j = chunks[g]; j < chunks[g + 1];) {
-      windows.push_back(j);
-      const std::int64_t limit = starts[j] + kWindow;
-      const bool alone = is_long(j++);
-      while (!alone && j < chunks[g + 1] && !is_long(j) && starts[j + 1] <= limit) ++j;
-    }
-  }
+void Layout::fill_chunks(const BundleScene& scene, Tracks& tracks, ThreadPool& pool) {
+  points.resize(tracks.sorted.size());
+  camera.resize(scene.num_observations());
+  uv.resize(2 * scene.num_observations());
+  places.resize(scene.num_observations());
+  std::vector<ChunkFiller> fillers(num_chunks());
+  run_tasks(pool, num_chunks(), [&](int g) { fillers[g].fill(*this, scene, tracks, g); });
+  for (const ChunkFiller& filler : fillers) filler.append_to(*this);
   chunk_windows.push_back(static_cast<std::int32_t>(windows.size()));
-  windows.push_back(static_cast<std::int64_t>(starts.size()) - 1);
-}
-
-// `order` and `starts` of each window, the longest tracks first, equal ones in their order.
-void Layout::sort_by_length(std::vector<std::int32_t>& order) {
-  std::vector<std::pair<std::int64_t, std::int32_t>> tracks;  // length, first position
-  for (int w = 0; w < num_windows(); ++w) {
-    tracks.clear();
-    for (auto j = windows[w]; j < windows[w + 1]; ++j) {
-      tracks.emplace_back(starts[j + 1] - starts[j], order[j]);
-    }
-    std::stable_sort(tracks.begin(), tracks.end(),
-                     [](const auto& a, const auto& b) { return a.first > b.first; });
-    auto j = windows[w];
-    for (const auto& [length, first] : tracks) {
-      order[j] = first;
-      starts[j + 1] = starts[j] + length;
-      ++j;
-    }
-  }
-}
-
-void Layout::sort_windows() {
-  places.resize(num_observations());
-  std::vector<std::int32_t> next(num_cameras, 0);
-  std::vector<std::int32_t> seen;
-  window_visits.push_back(0);
-  for (int w = 0; w < num_windows(); ++w) {
-    const std::int64_t begin = starts[windows[w]];
-    const std::int64_t end = starts[windows[w + 1]];
-    for (auto q = begin; q < end; ++q) {
-      if (next[camera[q]]++ == 0) seen.push_back(camera[q]);
-    }
-    std::sort(seen.begin(), seen.end());
-    std::int32_t sum = 0;
-    for (const std::int32_t i : seen) {
-      const std::int32_t first = sum;
-      sum += next[i];
-      next[i] = first;
-      visits.push_back({i, sum});
-    }
-    for (auto q = begin; q < end; ++q) {
-      places[begin + next[camera[q]]++] = static_cast<std::int32_t>(q - begin);
-    }
-    for (const std::int32_t i : seen) next[i] = 0;
-    seen.clear();
-    window_visits.push_back(static_cast<std::int64_t>(visits.size()));
-  }
+  windows.push_back(num_landmarks());
+  window_visits.push_back(static_cast<std::int64_t>(visits.size()));
 }
 
 std::pair<std::int32_t, std::int32_t> Layout::camera_range(int chunk) const {

@@ -6,7 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "raylign/base/thread_pool.h"
 #include "raylign/bundle/native/kernels.h"
+#include "raylign/bundle/native/table.h"
+#include "raylign/bundle/native/tracks.h"
 #include "raylign/scene/bundle_scene.h"
 
 namespace raylign::native {
@@ -16,16 +19,19 @@ namespace raylign::native {
 /// their highest, so that neighbours touch the same cameras, and within a window by the number of
 /// their observations, the longest first; the observations of one by camera.
 struct Layout {
+  /// The same for any number of threads.
+  Layout(const BundleScene& scene, PointKind kind, ThreadPool& pool);
+  /// On the calling thread.
   explicit Layout(const BundleScene& scene, PointKind kind = PointKind::XYZ);
 
   PointKind point_kind;  ///< how the kernels find a landmark in X
   CameraKind camera_kind;
   std::int32_t num_cameras = 0;
-  std::vector<std::int32_t> points;  ///< (L,) index of each landmark in the problem
-  std::vector<std::int64_t> starts;  ///< (L + 1,) first observation of each landmark
-  std::vector<std::int32_t> camera;  ///< (N,)
-  std::vector<double> uv;            ///< (2 N,) observed pixels
-  std::vector<bool> observed;        ///< (C,) cameras with observations
+  Table<std::int32_t> points;  ///< (L,) index of each landmark in the problem
+  Table<std::int64_t> starts;  ///< (L + 1,) first observation of each landmark
+  Table<std::int32_t> camera;  ///< (N,)
+  Table<double> uv;            ///< (2 N,) observed pixels
+  std::vector<bool> observed;  ///< (C,) cameras with observations
 
   /// Landmarks are cut into chunks of about equal numbers of observations. Sums are taken chunk by
   /// chunk, and the cut depends on the problem alone: this is why the bits do not depend on the
@@ -39,7 +45,7 @@ struct Layout {
 
   /// The observations of each window by camera: their places in the window, (N,), and where those
   /// of one camera end.
-  std::vector<std::int32_t> places;
+  Table<std::int32_t> places;
   std::vector<CameraVisit> visits;
   std::vector<std::int64_t> window_visits;  ///< (W + 1,) first visit of each window
 
@@ -67,9 +73,7 @@ struct Layout {
 
  private:
   void cut_chunks();
-  void cut_windows();
-  void sort_by_length(std::vector<std::int32_t>& order);
-  void sort_windows();
+  void fill_chunks(const BundleScene& scene, Tracks& tracks, ThreadPool& pool);
 };
 
 }  // namespace raylign::native

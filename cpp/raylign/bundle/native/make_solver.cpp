@@ -84,8 +84,9 @@ std::unique_ptr<LinearSolver> make_requested_solver(const LinearSolverOptions& o
   if (options.type == LinearSolverType::ITERATIVE_SCHUR && !options.explicit_schur) {
     return make_iterative(options, context, SchurPattern::diagonal(std::move(moving)), interrupted);
   }
-  SchurPattern pattern =
-      known != nullptr ? known->pattern : SchurPattern(context.layout, std::move(moving));
+  SchurPattern pattern = known != nullptr
+                             ? known->pattern
+                             : SchurPattern(context.layout, std::move(moving), context.pool);
   if (options.type == LinearSolverType::ITERATIVE_SCHUR) {
     return make_iterative(options, context, std::move(pattern), interrupted);
   }

@@ -3,128 +3,122 @@
 #include "raylign/bundle/native/product_plan.h"
 
 #include <algorithm>
-#include <numeric>
+#include <memory>
 #include <utility>
+
+#include "raylign/bundle/native/parallel.h"
+#include "raylign/bundle/native/window_tracks.h"
 
 namespace raylign::native {
 namespace {
 
-// Collects the products of one window and sorts them by block, equal blocks in their order.
-class WindowSorter {
+// Sorts the products of one window after another by block, equal blocks in their order: a counting
+// sort over the pairs of the window's cameras.
+class WindowPlanner {
  public:
-  explicit WindowSorter(const SchurPattern& pattern) : pattern_(pattern) {}
+  WindowPlanner(const Layout& layout, const SchurPattern& pattern)
+      : layout_(layout),
+        pattern_(pattern),
+        tracks_(layout, pattern.active, pattern.diagonal_only) {}
 
-  void start(std::int64_t max_products) {
-    std::size_t size = 64;
-    while (size < 2 * static_cast<std::size_t>(max_products)) size *= 2;
-    table_.assign(size, kFree);
-    visits_.clear();
-    found_.clear();
+  std::int64_t num_visits(int window) {
+    tracks_.load(window);
+    std::int64_t count = 0;
+    for (const std::uint64_t bits : tracks_.rows()) count += __builtin_popcountll(bits);
+    return count;
   }
+  std::int64_t num_products() const { return tracks_.num_products(); }  // of that window
 
-  void add_track(const std::int32_t* cameras, std::int64_t first, std::int64_t length) {
-    for (std::int64_t a = first; a < first + length; ++a) {
-      if (pattern_.active[cameras[a]] == 0) continue;
-      for (std::int64_t b = a; b < first + length; ++b) {
-        if (pattern_.active[cameras[b]] == 0) continue;
-        if (pattern_.diagonal_only && cameras[b] != cameras[a]) break;
-        const std::int32_t visit = visit_of(cameras[a], cameras[b]);
-        add(visit, a, b);
-        // the same camera twice in a track: both orders fall into one block
-        if (a != b && cameras[a] == cameras[b]) add(visit, b, a);
-      }
-    }
-  }
-
-  void write(ProductPlan& plan) {
-    order_.resize(visits_.size());
-    std::iota(order_.begin(), order_.end(), 0);
-    std::sort(order_.begin(), order_.end(), [&](std::int32_t a, std::int32_t b) {
-      const Visit& x = visits_[a];
-      const Visit& y = visits_[b];
-      return x.i != y.i ? x.i < y.i : x.k < y.k;
+  void write(int window, BlockVisit* visits, Product* products) {
+    tracks_.load(window);
+    const std::int64_t num_cameras = tracks_.num_cameras();
+    next_.assign(num_cameras * num_cameras, 0);
+    using Sight = WindowTracks::Sight;
+    tracks_.for_each_product(
+        [&](const Sight& i, const Sight& k) { ++next_[i.camera * num_cameras + k.camera]; });
+    write_visits(window, visits);
+    tracks_.for_each_product([&](const Sight& i, const Sight& k) {
+      products[next_[i.camera * num_cameras + k.camera]++] = {i.place, k.place};
     });
-    const auto base = static_cast<std::int64_t>(plan.products.size());
-    plan.products.resize(base + static_cast<std::int64_t>(found_.size()));
-    std::int32_t sum = 0;
-    for (const std::int32_t v : order_) {
-      Visit& visit = visits_[v];
-      const std::int32_t end = sum + visit.count;
-      plan.visits.push_back({visit.i, pattern_.find(visit.i, visit.k), end});
-      visit.count = sum;  // from here on: where its next product goes
-      sum = end;
-    }
-    for (const auto& [visit, product] : found_) {
-      plan.products[base + visits_[visit].count++] = product;
-    }
   }
 
  private:
-  struct Visit {
-    std::int32_t i, k, count;
-  };
-  static constexpr std::int32_t kFree = -1;
-
-  // Open addressing; there is always room.
-  std::int32_t visit_of(std::int32_t i, std::int32_t k) {
-    const std::size_t mask = table_.size() - 1;
-    std::size_t at =
-        (static_cast<std::size_t>(i) * 0x9E3779B1u + static_cast<std::size_t>(k)) & mask;
-    for (; table_[at] != kFree; at = (at + 1) & mask) {
-      const Visit& visit = visits_[table_[at]];
-      if (visit.i == i && visit.k == k) return table_[at];
+  // From here on `next_` says where the next product of each pair goes.
+  void write_visits(int window, BlockVisit* visits) {
+    const CameraVisit* cameras = layout_.visits.data() + layout_.window_visits[window];
+    std::int32_t sum = 0;
+    for (int c = 0; c < tracks_.num_cameras(); ++c) {
+      const std::int32_t i = cameras[c].camera;
+      std::uint16_t* next = next_.data() + std::int64_t{c} * tracks_.num_cameras();
+      std::int64_t block = pattern_.starts[i];
+      std::int32_t before = i;  // the camera of that block
+      WindowTracks::for_each_bit(tracks_.row(c), tracks_.num_words(), [&](int k) {
+        block = find_block(i, block, before, cameras[k].camera);
+        before = cameras[k].camera;
+        sum += std::exchange(next[k], static_cast<std::uint16_t>(sum));
+        *visits++ = {i, static_cast<std::int32_t>(block), sum};
+      });
     }
-    table_[at] = static_cast<std::int32_t>(visits_.size());
-    visits_.push_back({i, k, 0});
-    return table_[at];
   }
 
-  void add(std::int32_t visit, std::int64_t i, std::int64_t k) {
-    ++visits_[visit].count;
-    found_.push_back({visit, {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(k)}});
+  // Block (i, k), when block `first` of that row is (i, before) and before <= k. It is no farther
+  // from there than k is from `before`, and mostly just as far: rows have few gaps.
+  std::int64_t find_block(std::int32_t i,
+                          std::int64_t first,
+                          std::int32_t before,
+                          std::int32_t k) const {
+    const std::int32_t* columns = pattern_.columns.data();
+    const std::int64_t last = std::min(first + (k - before), pattern_.starts[i + 1] - 1);
+    if (columns[last] == k) return last;
+    return std::lower_bound(columns + first, columns + last, k) - columns;
   }
 
+  const Layout& layout_;
   const SchurPattern& pattern_;
-  std::vector<std::int32_t> table_;
-  std::vector<Visit> visits_;
-  std::vector<std::int32_t> order_;
-  std::vector<std::pair<std::int32_t, Product>> found_;
+  WindowTracks tracks_;
+  std::vector<std::uint16_t> next_;  // (num_cameras, num_cameras)
 };
 
-std::int64_t num_products(const Layout& layout, const ProductWindow& window) {
-  std::int64_t sum = 0;
-  for (auto j = window.landmark_begin; j < window.landmark_end; ++j) {
-    const std::int64_t length = layout.starts[j + 1] - layout.starts[j];
-    sum += length * (length + 1) / 2;
-  }
+// Counts become where each window begins.
+template <typename T>
+T sum_before(std::vector<ProductWindow>& windows, T ProductWindow::* count) {
+  T sum = 0;
+  for (ProductWindow& window : windows) sum += std::exchange(window.*count, sum);
   return sum;
 }
 
 }  // namespace
 
-ProductPlan::ProductPlan(const Layout& layout, const SchurPattern& pattern) {
-  WindowSorter sorter(pattern);
-  products.reserve(pattern.num_pairs);
-  windows.reserve(layout.num_windows());
-  for (int w = 0; w < layout.num_windows(); ++w) {
-    ProductWindow window{};
-    window.landmark_begin = layout.windows[w];
-    window.landmark_end = layout.windows[w + 1];
-    window.products_begin = static_cast<std::int64_t>(products.size());
-    window.visits_begin = static_cast<std::int64_t>(visits.size());
-    window.is_planned = !layout.is_long(window.landmark_begin);
-    if (window.is_planned) {
-      const std::int64_t first = layout.starts[window.landmark_begin];
-      sorter.start(num_products(layout, window));
-      for (auto j = window.landmark_begin; j < window.landmark_end; ++j) {
-        sorter.add_track(layout.camera.data() + first, layout.starts[j] - first,
-                         layout.starts[j + 1] - layout.starts[j]);
+ProductPlan::ProductPlan(const Layout& layout, const SchurPattern& pattern)
+    : ProductPlan(layout, pattern, *std::make_unique<ThreadPool>(1)) {}
+
+ProductPlan::ProductPlan(const Layout& layout, const SchurPattern& pattern, ThreadPool& pool)
+    : windows(layout.num_windows()) {
+  const auto for_each_planned = [&](const auto& task) {
+    run_tasks(pool, layout.num_chunks(), [&](int g) {
+      WindowPlanner planner(layout, pattern);
+      for (auto w = layout.chunk_windows[g]; w < layout.chunk_windows[g + 1]; ++w) {
+        if (!layout.is_long(layout.windows[w])) task(planner, w, windows[w]);
       }
-      sorter.write(*this);
-    }
-    window.visits_end = static_cast<std::int64_t>(visits.size());
-    windows.push_back(window);
+    });
+  };
+  for_each_planned([](WindowPlanner& planner, int w, ProductWindow& window) {
+    window.is_planned = true;
+    window.visits_begin = planner.num_visits(w);
+    window.products_begin = planner.num_products();
+  });
+  visits.resize(sum_before(windows, &ProductWindow::visits_begin));
+  products.resize(sum_before(windows, &ProductWindow::products_begin));
+  for (int w = 0; w < layout.num_windows(); ++w) {
+    const bool is_last = w + 1 == layout.num_windows();
+    windows[w].landmark_begin = layout.windows[w];
+    windows[w].landmark_end = layout.windows[w + 1];
+    windows[w].visits_end =
+        is_last ? static_cast<std::int64_t>(visits.size()) : windows[w + 1].visits_begin;
   }
+  for_each_planned([&](WindowPlanner& planner, int w, ProductWindow& window) {
+    planner.write(w, visits.data() + window.visits_begin, products.data() + window.products_begin);
+  });
 }
 
 }  // namespace raylign::native

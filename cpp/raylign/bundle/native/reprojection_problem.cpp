@@ -44,10 +44,10 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
                                          const InterruptCheck& interrupted)
     : options_(options),
       frame_(is_homogeneous(options) ? homogeneous_frame(scene) : HomogeneousFrame{}),
-      layout_(scene, is_homogeneous(options) ? PointKind::HOMOGENEOUS : PointKind::XYZ),
+      pool_(options.lm.num_threads),
+      layout_(scene, is_homogeneous(options) ? PointKind::HOMOGENEOUS : PointKind::XYZ, pool_),
       held_(landmark_masks(layout_, held)),
       cameras_(scene, options.pose_parametrization, held, layout_.observed, frame_),
-      pool_(options.lm.num_threads),
       J_(options.jacobian_storage,
          options.loss.type != LossType::TRIVIAL,
          layout_.num_observations()),
@@ -77,9 +77,11 @@ ReprojectionProblem::ReprojectionProblem(const BundleScene& scene,
 
 void ReprojectionProblem::load_points(const BundleScene& scene) {
   X_.resize(point_size() * layout_.num_landmarks());
-  for (std::int64_t j = 0; j < layout_.num_landmarks(); ++j) {
-    load_point(scene.points.row(layout_.points[j]).transpose(), X_.data() + point_size() * j);
-  }
+  pool_.run(layout_.num_chunks(), [&](int g) {
+    for (auto j = layout_.chunks[g]; j < layout_.chunks[g + 1]; ++j) {
+      load_point(scene.points.row(layout_.points[j]).transpose(), X_.data() + point_size() * j);
+    }
+  });
   X_trial_.resize(X_.size());
 }
 

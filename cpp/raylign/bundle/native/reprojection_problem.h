@@ -79,10 +79,10 @@ class ReprojectionProblem {
 
   BundleOptions options_;
   HomogeneousFrame frame_;  // of homogeneous points; else the world's
+  ThreadPool pool_;         // before what it helps to make
   Layout layout_;
   std::vector<CoordinateMask> held_;  // (L,) in the landmarks' order, or empty
   CameraBlocks cameras_;
-  ThreadPool pool_;
 
   Table<double> X_, X_trial_;  // (L, point_size())
   JacobianTable J_;

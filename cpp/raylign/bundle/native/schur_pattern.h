@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "raylign/base/thread_pool.h"
 #include "raylign/bundle/native/layout.h"
 
 namespace raylign::native {
@@ -12,7 +13,10 @@ namespace raylign::native {
 /// Which blocks the reduced camera system S has: the upper triangle by block rows. Found
 /// once; no table is C × C.
 struct SchurPattern {
+  /// The same for any number of threads.
   /// @param active  (C,) 0: the camera does not move, S has no row for it
+  SchurPattern(const Layout& layout, std::vector<unsigned char> active, ThreadPool& pool);
+  /// On the calling thread.
   SchurPattern(const Layout& layout, std::vector<unsigned char> active);
   /// The diagonal blocks alone: what a matrix-free product needs for its preconditioner.
   static SchurPattern diagonal(std::vector<unsigned char> active);
@@ -32,9 +36,6 @@ struct SchurPattern {
 
  private:
   SchurPattern() = default;
-  void find_columns(const Layout& layout,
-                    const std::vector<std::int64_t>& track_starts,
-                    const std::vector<std::int32_t>& tracks);
 };
 
 }  // namespace raylign::native

@@ -14,7 +14,9 @@ std::vector<unsigned char> moving_cameras(const CameraBlocks& cameras) {
 }
 
 SchurSystem::SchurSystem(const SolverContext& context, SchurPattern pattern)
-    : context_(context), pattern_(std::move(pattern)), plan_(context.layout, pattern_) {
+    : context_(context),
+      pattern_(std::move(pattern)),
+      plan_(context.layout, pattern_, context.pool) {
   const int num_threads = context.pool.num_threads();
   split_rows(num_threads);
   blocks_.resize(pattern_.num_blocks());
@@ -26,9 +28,16 @@ SchurSystem::SchurSystem(const SolverContext& context, SchurPattern pattern)
 void SchurSystem::split_rows(int num_parts) {
   const Layout& layout = context_.layout;
   std::vector<std::int64_t> products(layout.num_cameras + 1, 0);
-  for (std::int64_t j = 0; j < layout.num_landmarks(); ++j) {
-    for (auto q = layout.starts[j]; q < layout.starts[j + 1]; ++q) {
-      products[layout.camera[q] + 1] += pattern_.diagonal_only ? 1 : layout.starts[j + 1] - q;
+  for (const ProductWindow& window : plan_.windows) {
+    std::int32_t before = 0;
+    for (auto v = window.visits_begin; v < window.visits_end; ++v) {
+      const BlockVisit& visit = plan_.visits[v];
+      products[visit.row + 1] += visit.products_end - std::exchange(before, visit.products_end);
+    }
+    if (window.is_planned) continue;
+    const std::int64_t end = layout.starts[window.landmark_end];
+    for (auto q = layout.starts[window.landmark_begin]; q < end; ++q) {
+      products[layout.camera[q] + 1] += pattern_.diagonal_only ? 1 : end - q;
     }
   }
   for (std::int32_t i = 0; i < layout.num_cameras; ++i) products[i + 1] += products[i];
