@@ -2,8 +2,8 @@
 
     .venv/bin/python benchmarks/report.py benchmarks/results/2026-11-23.json
 
-Whatever stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in docs/benchmarks*.md is
-replaced by the table NAME; prose around it is written by hand.
+Whatever stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in README.md and
+docs/benchmarks*.md is replaced by the text NAME; prose around it is written by hand.
 """
 
 import argparse
@@ -18,7 +18,17 @@ from harness import contest as contests
 from harness import micro, plots, series, tables
 from harness.problems import ROOT
 
-DOCUMENTS = [ROOT / "docs" / name for name in ("benchmarks.md", "benchmarks-roofline.md")]
+DOCUMENTS = [
+    ROOT / name for name in ("README.md", "docs/benchmarks.md", "docs/benchmarks-roofline.md")
+]
+README_PROBLEMS = (
+    "ladybug-49-front",
+    "trafalgar-21",
+    "street-250-65000",
+    "orbit-1000-300000",
+    "street-1778-1000000",
+    "orbit-1778-1000000",
+)
 IMAGES = ROOT / "docs" / "images"
 BLOCK = re.compile(r"(<!-- begin (\S+) -->\n).*?(<!-- end \2 -->)", re.DOTALL)
 
@@ -47,9 +57,37 @@ def headline_table(held: list[dict], threads: int) -> str:
         ]
         for contest in held
     ]
-    table = markdown(header, rows)
-    starred = any("\\*" in cell for row in rows for cell in row)
-    return table + (STAR if starred else "")
+    return with_star(markdown(header, rows))
+
+
+def with_star(table: str) -> str:
+    """The table, and what its stars mean where it has one."""
+    return table + (STAR if "\\*" in table else "")
+
+
+def readme_table(held: list[dict]) -> str:
+    """Seconds of the native engine, and how many times longer each peer's best variant takes."""
+    chosen = [c for c in held if c["problem"] in README_PROBLEMS and has_peers(c, 1)]
+    families = [f for f in series.PEERS if any(series.rows_of(c, f, 1) for c in chosen)]
+    header = ["", "native, s", "MB", *(series.label(held, family) for family in families)]
+    rows = []
+    for contest in chosen:
+        ours = series.native(contest, 1)
+        if ours is None:
+            continue
+        name = contest["problem"].split("-")[0]
+        size = f"{contest['num_cameras']} cameras, {contest['num_observations']} observations"
+        row = [f"{name}, {size}", tables.seconds(ours["times_to"][-1])]
+        row.append(f"{ours['memory_bytes'] / 1e6:.0f}")
+        for family in families:
+            found = series.compare(contest, family, 1)
+            if found is None:
+                why = series.why_never(contest, family, 1)
+                row.append("" if why == series.NOT_RUN else why)
+            else:
+                row.append(tables.times(found.time) + " ×" + "\\*" * found.counts_otherwise)
+        rows.append(row)
+    return with_star(markdown(header, rows))
 
 
 STAR = "\n\n\\* by its own cost, without what lies behind a camera; never by the judge's."
@@ -229,11 +267,13 @@ def machine_line(machine: dict, held: list[dict]) -> str:
     return line
 
 
-def blocks(data: dict) -> dict[str, Callable[[], str]]:
+def blocks(data: dict, source: Path) -> dict[str, Callable[[], str]]:
     """Name of a block to what makes its text."""
     results = data["results"]
     held = [contests.summarize(contest) for contest in results.get("contests", [])]
     made: dict[str, Callable[[], str]] = {
+        "source": lambda: f"`benchmarks/results/{source.name}`",
+        "readme": lambda: readme_table(held),
         "machine": lambda: machine_line(data["machine"], held),
         "headline-1": lambda: headline_table(held, 1),
         "headline-2": lambda: headline_table(held, 2),
@@ -271,8 +311,9 @@ def rewrite(text: str, made: dict[str, Callable[[], str]]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path)
-    data = json.loads(parser.parse_args().results.read_text())
-    made = blocks(data)
+    source = parser.parse_args().results
+    data = json.loads(source.read_text())
+    made = blocks(data, source)
     for document in DOCUMENTS:
         document.write_text(rewrite(document.read_text(), made))
     held = [contests.summarize(contest) for contest in data["results"].get("contests", [])]

@@ -8,6 +8,7 @@ import numpy as np
 from harness import contest as contests
 
 PEERS = ("autodiff", "analytic", "pycolmap", "gtsam")
+NOT_RUN = "not run"
 
 
 def family_of(row: dict) -> str:
@@ -54,7 +55,7 @@ def why_never(contest: dict, family: str, threads: int) -> str:
     """Why no variant of a family came within 0.1 % of the best cost."""
     rows = rows_of(contest, family, threads)
     if not rows:
-        return "not run"
+        return NOT_RUN
     ends = {row.get("ended", "") for row in rows if "error" not in row}
     limits = max(contest.get("measured", []), key=lambda entry: entry["time_limit_s"], default=None)
     if limits is not None and "time limit" in ends:
