@@ -49,13 +49,13 @@ class WindowPlanner {
     std::int32_t sum = 0;
     for (int c = 0; c < tracks_.num_cameras(); ++c) {
       const std::int32_t i = cameras[c].camera;
-      std::uint16_t* next = next_.data() + std::int64_t{c} * tracks_.num_cameras();
+      std::int32_t* next = next_.data() + std::int64_t{c} * tracks_.num_cameras();
       std::int64_t block = pattern_.starts[i];
       std::int32_t before = i;  // the camera of that block
       WindowTracks::for_each_bit(tracks_.row(c), tracks_.num_words(), [&](int k) {
         block = find_block(i, block, before, cameras[k].camera);
         before = cameras[k].camera;
-        sum += std::exchange(next[k], static_cast<std::uint16_t>(sum));
+        sum += std::exchange(next[k], sum);
         *visits++ = {i, static_cast<std::int32_t>(block), sum};
       });
     }
@@ -76,7 +76,7 @@ class WindowPlanner {
   const Layout& layout_;
   const SchurPattern& pattern_;
   WindowTracks tracks_;
-  std::vector<std::uint16_t> next_;  // (num_cameras, num_cameras)
+  std::vector<std::int32_t> next_;  // (num_cameras, num_cameras)
 };
 
 // Counts become where each window begins.
