@@ -7,7 +7,7 @@ DEMO_DIR ?= raylign-demo
 BENCH_FLAGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test bench lint format stub asan fuzz tidy clean
+.PHONY: help setup demo test bench lint format stub asan tsan fuzz tidy clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*  ## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
@@ -53,6 +53,17 @@ asan:  ## the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	cmake --build build/asan -j$(JOBS)
 	UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
 	  ctest --test-dir build/asan --output-on-failure -j$(JOBS)
+
+# What runs on several threads, and only that: under ThreadSanitizer everything takes ten times longer.
+TSAN_TESTS := bundle_jacobian_table bundle_native bundle_solver_matrix bundle_supernodal_cholesky \
+  photometric_adjuster photometric_parity solver_blocked_cholesky synthetic_renderer tracking_aligner
+tsan:  ## the tests that compare numbers of threads under ThreadSanitizer
+	$(BOOTSTRAP) system
+	cmake -S . -B build/tsan -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+	  -DRAYLIGN_SANITIZE=thread -DRAYLIGN_BUILD_TESTS=ON
+	cmake --build build/tsan -j$(JOBS) --target $(addsuffix _test,$(TSAN_TESTS))
+	for test in $(TSAN_TESTS); do \
+	  build/tsan/tests/cpp/$${test}_test --gtest_filter='*Thread*' --gtest_brief=1 || exit 1; done
 
 fuzz:  ## 1e5 hostile inputs for the readers, under the sanitizers
 	$(BOOTSTRAP) system
