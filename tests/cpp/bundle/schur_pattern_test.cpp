@@ -89,6 +89,25 @@ TEST_P(Pattern, PlanListsEveryProductOnceUnderItsBlock) {
   EXPECT_EQ(found, expected);
 }
 
+// The fullest window that there is: as many products as 16 bits cannot count.
+TEST(ProductPlan, HoldsAWindowOfOneCameraAlone) {
+  constexpr int kTrack = Layout::kLongTrack;
+  constexpr int kPoints = Layout::kWindow / kTrack;
+  BalProblem problem;
+  problem.cameras.setZero(1, 9);
+  problem.points.setZero(kPoints, 3);
+  problem.camera_index.setZero(kPoints * kTrack);
+  problem.point_index.resize(kPoints * kTrack);
+  for (int i = 0; i < kPoints * kTrack; ++i) problem.point_index[i] = i / kTrack;
+  problem.observations.setZero(kPoints * kTrack, 2);
+  const Layout layout(problem);
+  ASSERT_EQ(layout.num_windows(), 1);
+  const ProductPlan plan(layout, SchurPattern(layout, {1}));
+  ASSERT_EQ(plan.visits.size(), 1u);
+  EXPECT_EQ(plan.visits[0].products_end, kPoints * kTrack * kTrack);
+  EXPECT_EQ(plan.products.size(), static_cast<std::size_t>(kPoints * kTrack * kTrack));
+}
+
 INSTANTIATE_TEST_SUITE_P(Lengths, Pattern, testing::Values(3, 12, 90));
 
 }  // namespace
