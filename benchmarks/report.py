@@ -241,7 +241,7 @@ def rendering_table(measured: dict[str, dict[str, float]]) -> str:
 
 def guard_line(ratios: dict[str, float]) -> str:
     parts = ", ".join(f"{ratio:.1f} times in {name}" for name, ratio in ratios.items())
-    return f"When this page was written the native engines were faster {parts}."
+    return f"How much faster than Ceres the native engines were when this was measured: {parts}."
 
 
 def import_line(seconds: dict) -> str:

@@ -100,16 +100,32 @@ def hold_contests(
     total = sum(rounds * len(turn) for _, rounds, turn in chosen)
     with Ticker(console, total) as ticker:
         for spec, rounds, turn in chosen:
-            prepared = contests.prepare(spec, session.facts, rounds)
-            if prepared is None:
-                console.print(f"{spec.name}: its file is not at hand (set RAYLIGN_DATA)")
-                ticker.skip(rounds * len(turn))
-                continue
-            contest, problem = prepared
-            session.contests.append(contest)
-            contests.hold(contest, problem, spec, turn, tools, ticker.tell)
+            try:
+                hold_contest(spec, rounds, turn, tools, session, ticker, console)
+            except FAILURES as error:
+                session.errors[spec.name] = f"{type(error).__name__}: {error}"
+                console.print(f"{spec.name} failed: {session.errors[spec.name]}", markup=False)
             session.save()
-            print_contest(contest, console)
+
+
+def hold_contest(
+    spec: problems.Spec,
+    rounds: int,
+    turn: list[systems.System],
+    tools: systems.Tools,
+    session: Session,
+    ticker: Ticker,
+    console: Console,
+) -> None:
+    prepared = contests.prepare(spec, session.facts, rounds)
+    if prepared is None:
+        console.print(f"{spec.name}: its file is not at hand (set RAYLIGN_DATA)")
+        ticker.skip(rounds * len(turn))
+        return
+    contest, problem = prepared
+    session.contests.append(contest)
+    contests.hold(contest, problem, spec, turn, tools, ticker.tell)
+    print_contest(contest, console)
 
 
 def print_contest(contest: dict, console: Console) -> None:

@@ -1,6 +1,7 @@
 """The problems: real ones where they are at hand, synthetic ones made once and kept in a cache."""
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -94,11 +95,14 @@ def find_file(name: str) -> Path | None:
     return source
 
 
-def cached(name: str, make) -> Path:
+def cached(name: str, make: Callable[[Path], object]) -> Path:
+    """A file or folder of the cache; whole or not there, whatever interrupts its making."""
     path = CACHE / name
     if not path.exists():
         CACHE.mkdir(parents=True, exist_ok=True)
-        make(path)
+        unfinished = CACHE / f"unfinished-{name}"
+        make(unfinished)
+        unfinished.rename(path)
     return path
 
 

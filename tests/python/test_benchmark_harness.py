@@ -212,3 +212,45 @@ def test_tables_say_why_a_system_has_no_figure():
     section = report.contest_sections([contests.summarize(held)])
     assert "gtsam schur x1 failed: killed" in section
     assert "at most 9 iterations or 60 s" in section
+
+
+def test_cache_has_no_halves(tmp_path, monkeypatch):
+    from harness import problems
+
+    monkeypatch.setattr(problems, "CACHE", tmp_path)
+
+    def interrupted(path: Path) -> None:
+        path.write_text("half")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        problems.cached("scene.txt", interrupted)
+    made = problems.cached("scene.txt", lambda path: path.write_text("whole"))
+    assert made.read_text() == "whole"
+    assert problems.cached("scene.txt", interrupted) == made
+
+
+def test_a_contest_that_fails_leaves_the_others(tmp_path, monkeypatch):
+    import io
+
+    from rich.console import Console
+
+    import run
+    from harness import contest as contests
+    from harness import systems
+    from harness.session import Session
+
+    def prepare(spec, facts, rounds):
+        if spec.name == "street-50-1000":
+            raise ValueError("a broken file")
+        return contest({"native auto x1": 1.0}), None
+
+    monkeypatch.setattr(contests, "prepare", prepare)
+    monkeypatch.setattr(contests, "hold", lambda *_: None)
+    monkeypatch.setattr("sys.argv", ["run.py", "--problems", "street-50-1000", "orbit-50-1000"])
+    session = Session(tmp_path / "r.json", {}, append=False)
+    console = Console(file=io.StringIO(), width=200)
+    run.hold_contests(run.parse_arguments(), systems.Tools(tmp_path, None), session, console)
+    assert session.errors == {"street-50-1000": "ValueError: a broken file"}
+    assert "p: 2 cameras" in console.file.getvalue()
+    assert session.target.exists()
