@@ -168,6 +168,8 @@ TEST_P(LinearSolvers, EveryPreconditionerIsSymmetricPositiveDefiniteAndLeadsToTh
   problem_.native.damped(1e-4);
   ExplicitProduct product(problem_.context(), problem_.system.pattern());
   product.prepare(problem_.system, problem_.damped);
+  MatrixFreeProduct by_landmarks(problem_.context());
+  by_landmarks.prepare(problem_.system, problem_.damped);
   ConjugateGradients cg(b.size());
   for (const auto& M : preconditioners) {
     M->prepare(problem_.system, problem_.damped);
@@ -182,9 +184,71 @@ TEST_P(LinearSolvers, EveryPreconditionerIsSymmetricPositiveDefiniteAndLeadsToTh
     EXPECT_GT(pu.dot(problem_.packed(Mu)), 0.0);
     EXPECT_NEAR(pu.dot(problem_.packed(Mb)), pb.dot(problem_.packed(Mu)), 1e-9 * scale);
     std::vector<double> x(u.size());
-    const CgResult result = cg.solve(product, *M, b, {1e-12, 0.0, 5000}, nullptr, x);
+    for (SchurProduct* S :
+         {static_cast<SchurProduct*>(&product), static_cast<SchurProduct*>(&by_landmarks)}) {
+      const CgResult result = cg.solve(*S, *M, b, {1e-12, 0.0, 5000}, nullptr, x);
+      EXPECT_TRUE(result.solved);
+      EXPECT_LT(relative_error(problem_.S, problem_.packed(x), expected), 1e-9);
+    }
+  }
+}
+
+// The factor of one system serves the next until that takes long.
+TEST_P(LinearSolvers, AStaleFactorStaysUntilItIsToldOfALongSolve) {
+  StaleFactor M(problem_.cameras(),
+                std::make_unique<DenseCholesky>(problem_.cameras(), problem_.context().pool));
+  SchurSystem system(problem_.context(), problem_.whole_pattern());
+  ExplicitProduct product(problem_.context(), system.pattern());
+  ConjugateGradients cg(system.rhs().size());
+  std::vector<double> x(system.rhs().size());
+  const auto iterations = [&](double lambda) {
+    const DampedProblem damped = problem_.native.damped(lambda);
+    system.form(damped);
+    M.prepare(system, damped);
+    product.prepare(system, damped);
+    const CgResult result = cg.solve(product, M, system.rhs(), {1e-6, 0.0, 500}, nullptr, x);
     EXPECT_TRUE(result.solved);
-    EXPECT_LT(relative_error(problem_.S, problem_.packed(x), expected), 1e-9);
+    return result.iterations;
+  };
+  EXPECT_LE(iterations(1e-3), 2);  // its own system
+  M.report(StaleFactor::kMaxIterations);
+  EXPECT_GT(iterations(1e-6), 2);
+  EXPECT_EQ(M.num_factorizations(), 1);
+  M.report(StaleFactor::kMaxIterations + 1);
+  EXPECT_LE(iterations(1e-6), 2);
+  EXPECT_EQ(M.num_factorizations(), 2);
+}
+
+// M⁻¹ times each column of the block that M inverts is a column of the identity.
+TEST_P(LinearSolvers, BlockJacobiInvertsTheDiagonalBlocks) {
+  const CameraBlocks& cameras = problem_.cameras();
+  SchurSystem undone(problem_.context(), problem_.whole_pattern());  // S + Z Zᵀ = U + λD
+  DampedProblem without_points = problem_.damped;
+  const std::vector<LandmarkFactor> no_factors(problem_.native.layout().num_landmarks(),
+                                               LandmarkFactor{});
+  without_points.factors = no_factors.data();
+  undone.form(without_points);
+  for (const auto& [kind, system] : {std::pair(Preconditioner::SCHUR_JACOBI, &problem_.system),
+                                     std::pair(Preconditioner::JACOBI, &undone)}) {
+    BlockJacobi M(cameras, kind);
+    M.prepare(problem_.system, problem_.damped);
+    const Eigen::MatrixXd blocks = test::dense_schur(*system);
+    std::vector<double> column(problem_.num_rows());
+    std::vector<double> out(column.size());
+    for (int i = 0; i < cameras.num_cameras(); ++i) {
+      const int size = cameras.size(i);
+      const auto block = blocks.block(cameras.offset(i), cameras.offset(i), size, size);
+      Eigen::MatrixXd product(size, size);
+      for (int k = 0; k < size; ++k) {
+        std::fill(column.begin(), column.end(), 0.0);
+        std::copy_n(block.col(k).eval().data(), size, column.begin() + std::ptrdiff_t{i} * kRow);
+        M.apply(column.data(), out.data());
+        product.col(k) = Eigen::Map<Eigen::VectorXd>(out.data() + std::ptrdiff_t{i} * kRow, size);
+      }
+      const Eigen::VectorXd units = block.diagonal().cwiseSqrt();
+      product = units.asDiagonal() * product * units.cwiseInverse().asDiagonal();
+      EXPECT_LT((product - Eigen::MatrixXd::Identity(size, size)).norm(), 1e-9) << "camera " << i;
+    }
   }
 }
 

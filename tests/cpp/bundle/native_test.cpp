@@ -150,8 +150,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 void expect_same_path(const BalProblem& problem,
                       const BundleConfig& config,
-                      BundleOptions options) {
-  options.lm.max_num_iterations = 30;
+                      BundleOptions options,
+                      int max_num_iterations = 30) {
+  options.lm.max_num_iterations = max_num_iterations;
   options.lm.function_tolerance = 1e-12;
   BalProblem ours = problem;
   BalProblem theirs = problem;
@@ -174,6 +175,28 @@ void expect_same_path(const BalProblem& problem,
 }
 
 TEST_P(Schur, WalksThePathOfCeres) { expect_same_path(problem_, config_, options_); }
+
+// The scene mirrored: more steps are refused on the way than are taken.
+TEST(Native, WalksThePathOfCeresThroughRejectedSteps) {
+  BalProblem problem = test::small_problem();
+  problem.points *= -1.0;
+  BundleConfig config;
+  config.gauge = Gauge::TWO_CAMERAS;
+  BundleOptions options = options_of({"", PoseParametrization::SE3});
+  expect_same_path(problem, config, options, 10);
+  options.backend = Backend::NATIVE;
+  options.lm.max_num_iterations = 10;
+  EXPECT_GE(adjust(problem, config, options).num_rejected, 4);
+}
+
+// GTSAM's dubrovnik-3-7: 38 residuals, 48 parameters, rejected steps.
+TEST(Native, WalksThePathOfCeresOnDubrovnik) {
+  const std::string file = std::string(RAYLIGN_SHARED_DATA_DIR) + "/bal/problem-3-7-pre.txt";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file;
+  for (const auto pose : {PoseParametrization::ANGLE_AXIS, PoseParametrization::SE3}) {
+    expect_same_path(read_bal(file), {}, options_of({"", pose}), 10);
+  }
+}
 
 TEST(Native, WalksThePathOfCeresOnLadybug) {
   const std::string file = std::string(RAYLIGN_SHARED_DATA_DIR) + "/bal/problem-49-7776-pre.txt";
@@ -270,10 +293,12 @@ TEST(Native, OrderOfObservationsPointsAndCamerasDoesNotMatter) {
 TEST(Native, TheUnitOfPixelsDoesNotMatter) {
   BalProblem problem = test::small_problem();
   BalProblem scaled = problem;
-  scaled.observations *= 2.0;
-  scaled.cameras.col(6) *= 2.0;
+  constexpr double kScale = 0.37;  // no power of two: other digits
+  scaled.observations *= kScale;
+  scaled.cameras.col(6) *= kScale;
   const double cost = tight_solve(problem).final_cost;
-  EXPECT_NEAR(tight_solve(scaled).final_cost, 4.0 * cost, 1e-10 * 4.0 * cost);
+  const double expected = kScale * kScale * cost;
+  EXPECT_NEAR(tight_solve(scaled).final_cost, expected, 1e-10 * expected);
 }
 
 TEST(Native, AMovedAndScaledWorldHasTheSameMinimum) {
@@ -281,7 +306,7 @@ TEST(Native, AMovedAndScaledWorldHasTheSameMinimum) {
   BalProblem moved = problem;
   const Matrix3 R = so3_exp({0.4, -0.8, 1.1});
   const Vector3 offset(3.0, -1.0, 2.0);
-  constexpr double kScale = 2.5;  // X′ = s R X + offset
+  constexpr double kScale = 3.7;  // X′ = s R X + offset
   for (std::int64_t p = 0; p < problem.num_points(); ++p) {
     moved.points.row(p) = (kScale * R * problem.points.row(p).transpose() + offset).transpose();
   }
