@@ -133,6 +133,10 @@ ceres::CallbackReturnType CallbackBridge::operator()(const ceres::IterationSumma
   row.linear_solver_time_s = summary.step_solver_time_in_seconds;
   row.iteration_time_s = summary.iteration_time_in_seconds;
   row.cumulative_time_s = time_before_s_ + summary.cumulative_time_in_seconds;
+  if (is_step && !row.step_is_accepted) {  // Ceres tells the cost of the step that it refused
+    row.cost = iterations_.back().cost;
+    row.cost_change = 0.0;
+  }
   iterations_.push_back(row);
   if (row.step_is_accepted) on_accepted_();
   if (!callback_) return ceres::SOLVER_CONTINUE;
