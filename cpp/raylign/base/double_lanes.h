@@ -48,14 +48,14 @@ RAYLIGN_INLINE double sum_of(const D4& v) { return (v[0] + v[1]) + (v[2] + v[3])
 
 // Four vectors of four: rows become columns.
 RAYLIGN_INLINE void transpose(D4& a, D4& b, D4& c, D4& d) {
-  const D4 ab_even = __builtin_shuffle(a, b, M4{0, 4, 2, 6});
-  const D4 ab_odd = __builtin_shuffle(a, b, M4{1, 5, 3, 7});
-  const D4 cd_even = __builtin_shuffle(c, d, M4{0, 4, 2, 6});
-  const D4 cd_odd = __builtin_shuffle(c, d, M4{1, 5, 3, 7});
-  a = __builtin_shuffle(ab_even, cd_even, M4{0, 1, 4, 5});
-  b = __builtin_shuffle(ab_odd, cd_odd, M4{0, 1, 4, 5});
-  c = __builtin_shuffle(ab_even, cd_even, M4{2, 3, 6, 7});
-  d = __builtin_shuffle(ab_odd, cd_odd, M4{2, 3, 6, 7});
+  const D4 ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+  const D4 ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const D4 cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+  const D4 cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
 }
 
 // Lane l of out[k] = rows[l][k], k < kCount.

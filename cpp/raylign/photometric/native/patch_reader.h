@@ -90,14 +90,14 @@ RAYLIGN_INLINE void read_square_bilinear(
 }
 
 RAYLIGN_INLINE void transpose(F4& a, F4& b, F4& c, F4& d) {
-  const F4 ac_low = __builtin_shuffle(a, c, I4{0, 4, 1, 5});
-  const F4 ac_high = __builtin_shuffle(a, c, I4{2, 6, 3, 7});
-  const F4 bd_low = __builtin_shuffle(b, d, I4{0, 4, 1, 5});
-  const F4 bd_high = __builtin_shuffle(b, d, I4{2, 6, 3, 7});
-  a = __builtin_shuffle(ac_low, bd_low, I4{0, 4, 1, 5});
-  b = __builtin_shuffle(ac_low, bd_low, I4{2, 6, 3, 7});
-  c = __builtin_shuffle(ac_high, bd_high, I4{0, 4, 1, 5});
-  d = __builtin_shuffle(ac_high, bd_high, I4{2, 6, 3, 7});
+  const F4 ac_low = __builtin_shufflevector(a, c, 0, 4, 1, 5);
+  const F4 ac_high = __builtin_shufflevector(a, c, 2, 6, 3, 7);
+  const F4 bd_low = __builtin_shufflevector(b, d, 0, 4, 1, 5);
+  const F4 bd_high = __builtin_shufflevector(b, d, 2, 6, 3, 7);
+  a = __builtin_shufflevector(ac_low, bd_low, 0, 4, 1, 5);
+  b = __builtin_shufflevector(ac_low, bd_low, 2, 6, 3, 7);
+  c = __builtin_shufflevector(ac_high, bd_high, 0, 4, 1, 5);
+  d = __builtin_shufflevector(ac_high, bd_high, 2, 6, 3, 7);
 }
 
 /// Lane sums of four vectors.
